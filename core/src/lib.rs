@@ -1,4 +1,41 @@
 //! Level-set segmentation of astronomical images for any processor.
+//!
+//! An image goes through the steps of Tozza and Falcone's Rescaling Segmentation Algorithm, one
+//! file a step: [`normalize`], [`rescale`] (with [`otsu`]), [`filter`], [`edge`], [`front`] and
+//! [`scheme`] (until [`stop`]), [`label`], [`catalog`]. [`segmenter::Segmenter`] drives them all
+//! in slices of bounded work, in memory that the caller provides and whose size
+//! [`memory`] tells beforehand.
+//!
+//! The crate does not allocate, does not panic, has no `unsafe` code and gives the same bits on
+//! every processor: sums have a fixed order or are exact, `libm` is pinned, no NaN is ever made.
+//!
+//! Planes are row-major; row 0 comes first and is the bottom row of a FITS image. Pixel centres
+//! have whole coordinates from (0, 0).
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+
+pub mod arithmetic;
+pub mod catalog;
+pub mod config;
+pub mod digest;
+pub mod edge;
+pub mod error;
+pub mod filter;
+pub mod frame;
+pub mod front;
+pub mod label;
+pub mod machine;
+pub mod memory;
+pub mod normalize;
+pub mod otsu;
+pub mod outcome;
+pub mod rescale;
+pub mod scheme;
+pub mod segmenter;
+pub mod select;
+pub mod simulate;
+pub mod stage;
+pub mod stop;
+pub mod sum;
+pub mod sweep;

@@ -1,1 +1,4 @@
-//! The host side of Skyfront.
+//! The host side of Skyfront: files in, the core at work, files and pictures out.
+
+pub mod machine;
+pub mod pipeline;

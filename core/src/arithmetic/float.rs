@@ -1,0 +1,164 @@
+//! IEEE 754 single precision, the same bits on every processor.
+//!
+//! Only additions, subtractions, multiplications, divisions, comparisons and correctly rounded
+//! square roots; `libm`, pinned and without processor features, for the rest. No fused
+//! multiply-add, no `f32::min`, no operation that can make a NaN from finite numbers.
+
+use super::{Arithmetic, Cell, Exponent, Real, sealed::Sealed};
+use crate::machine::{Machine, Plain};
+use core::marker::PhantomData;
+
+/// Single precision on a machine `M`; `M` changes the speed, never the bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct F32<M: Machine = Plain>(PhantomData<M>);
+
+impl Real for f32 {
+    const ZERO: f32 = 0.0;
+    const ONE: f32 = 1.0;
+
+    #[inline(always)]
+    fn of(x: f32) -> f32 {
+        x
+    }
+
+    #[inline(always)]
+    fn to_f32(self) -> f32 {
+        self
+    }
+
+    #[inline(always)]
+    fn ratio(self, divisor: f32) -> f32 {
+        if divisor > 0.0 { self / divisor } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn split(self, limit: usize) -> (usize, f32) {
+        let whole = (self as usize).min(limit);
+        (whole, self - whole as f32)
+    }
+}
+
+impl Cell for f32 {
+    /// Every integer up to here has its own `f32`.
+    const MAX_LABEL: u32 = 1 << 24;
+    const BYTES: usize = 4;
+
+    #[inline]
+    fn from_label(label: u32) -> f32 {
+        label.min(Self::MAX_LABEL) as f32
+    }
+
+    #[inline]
+    fn label(self) -> u32 {
+        self as u32
+    }
+
+    #[inline]
+    fn bits(self) -> u32 {
+        self.to_bits()
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> f32 {
+        let value = f32::from_bits(bits);
+        if value.is_finite() { value } else { 0.0 }
+    }
+}
+
+/// Partial sums of a row of f32: pixel x belongs to lane x mod 8 on every machine.
+const LANES: usize = 8;
+
+impl<M: Machine> Sealed for F32<M> {}
+
+impl<M: Machine> Arithmetic for F32<M> {
+    const NAME: &'static str = "f32";
+    const CODE: u8 = 1;
+    const CHANGE_UNITS: f32 = 4_294_967_296.0;
+    const NEEDS_BAND: Option<f32> = None;
+
+    type Real = f32;
+    type Cell = f32;
+
+    #[inline(always)]
+    fn pixel(cell: f32) -> f32 {
+        cell
+    }
+
+    #[inline(always)]
+    fn to_pixel(value: f32) -> f32 {
+        value
+    }
+
+    #[inline(always)]
+    fn level(cell: f32) -> f32 {
+        cell
+    }
+
+    #[inline(always)]
+    fn to_level(value: f32) -> f32 {
+        value
+    }
+
+    #[inline(always)]
+    fn sqrt(x: f32) -> f32 {
+        M::sqrt(x)
+    }
+
+    #[inline(always)]
+    fn norm(a: f32, b: f32, c: f32, d: f32) -> f32 {
+        M::sqrt((a * a + b * b) + (c * c + d * d))
+    }
+
+    #[inline(always)]
+    fn unit(x: f32, y: f32, least: f32) -> Option<(f32, f32)> {
+        let square = x * x + y * y;
+        if square > least * least && square > f32::MIN_POSITIVE {
+            let length = M::sqrt(square);
+            Some((x / length, y / length))
+        } else {
+            None
+        }
+    }
+
+    #[inline]
+    fn pow(x: f32, p: Exponent) -> f32 {
+        match p {
+            Exponent::Squarings(n) => (0..n).fold(x, |x, _| x * x),
+            Exponent::Roots(n) => (0..n).fold(x, |x, _| M::sqrt(x)),
+            Exponent::Any(p) => libm::powf(x, p),
+        }
+    }
+
+    #[inline]
+    fn log2_1p(x: f32) -> f32 {
+        libm::log1pf(x) / core::f32::consts::LN_2
+    }
+
+    #[inline]
+    fn exp_neg(x: f32) -> f32 {
+        libm::expf(-x)
+    }
+
+    #[inline(always)]
+    fn change(old: &[f32], new: &[f32], limit: f32) -> u64 {
+        let mut lanes = [0.0f32; LANES];
+        let (old, old_rest) = old.as_chunks::<LANES>();
+        let (new, new_rest) = new.as_chunks::<LANES>();
+        for (old, new) in old.iter().zip(new) {
+            for ((lane, &v), &w) in lanes.iter_mut().zip(old).zip(new) {
+                *lane += if v.abs() <= limit { (w - v).abs() } else { 0.0 };
+            }
+        }
+        for ((lane, &v), &w) in lanes.iter_mut().zip(old_rest).zip(new_rest) {
+            *lane += if v.abs() <= limit { (w - v).abs() } else { 0.0 };
+        }
+        let [a, b, c, d, e, f, g, h] = lanes;
+        let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
+        (sum * Self::CHANGE_UNITS) as u64
+    }
+
+    #[inline(always)]
+    fn wide<R>(row: impl FnOnce() -> R) -> R {
+        M::wide(row)
+    }
+}

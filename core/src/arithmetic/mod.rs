@@ -1,0 +1,137 @@
+//! The number types a pipeline can run in, as type parameters.
+//!
+//! An [`Arithmetic`] says three things: the [`Real`] that kernels compute in, the
+//! [`Cell`](Arithmetic::Cell) that planes and scratch rows are made of, and how the two convert.
+//! Narrow formats keep narrow cells and compute in a wider `Real`.
+
+mod exponent;
+mod float;
+
+pub use exponent::Exponent;
+pub use float::F32;
+
+use core::fmt::Debug;
+use core::ops::{Add, Mul, Neg, Sub};
+
+pub(crate) mod sealed {
+    /// Only this crate can promise the same bits for an arithmetic.
+    pub trait Sealed {}
+}
+
+/// A number that kernels compute in. Never NaN, never a silent wrap.
+pub trait Real:
+    Copy + Debug + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + 'static
+{
+    /// Nothing.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+
+    /// The nearest representable number, saturated to the range.
+    fn of(x: f32) -> Self;
+
+    /// The nearest `f32`.
+    fn to_f32(self) -> f32;
+
+    /// `self / divisor`, saturated to the range; 0 where the divisor is not above 0.
+    fn ratio(self, divisor: Self) -> Self;
+
+    /// Integer part and fraction of `self >= 0`, the integer part at most `limit`.
+    fn split(self, limit: usize) -> (usize, Self);
+
+    /// The larger of `self` and 0.
+    #[inline(always)]
+    fn positive(self) -> Self {
+        if self > Self::ZERO { self } else { Self::ZERO }
+    }
+
+    /// The smaller of `self` and 0.
+    #[inline(always)]
+    fn negative(self) -> Self {
+        if self < Self::ZERO { self } else { Self::ZERO }
+    }
+
+    /// The smaller of the two; `self` where they are equal.
+    #[inline(always)]
+    fn least(self, other: Self) -> Self {
+        if other < self { other } else { self }
+    }
+
+    /// The larger of the two; `self` where they are equal.
+    #[inline(always)]
+    fn greatest(self, other: Self) -> Self {
+        if other > self { other } else { self }
+    }
+
+    /// The absolute value.
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        if self < Self::ZERO { -self } else { self }
+    }
+}
+
+/// One element of a plane: an image value, a front value or, at the end, a label.
+pub trait Cell: Copy + Debug + Default + PartialEq + 'static {
+    /// The largest label a cell can hold.
+    const MAX_LABEL: u32;
+    /// Bytes of one cell.
+    const BYTES: usize;
+
+    /// A cell that holds a label, saturated to [`Self::MAX_LABEL`].
+    fn from_label(label: u32) -> Self;
+    /// The label in the cell.
+    fn label(self) -> u32;
+    /// The bit pattern, zero-extended: what digests and snapshots are made of.
+    fn bits(self) -> u32;
+    /// The cell with this bit pattern, or the nearest harmless one (never a NaN).
+    fn from_bits(bits: u32) -> Self;
+}
+
+/// A number system for the whole pipeline.
+pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + 'static {
+    /// The name on the command line and in golden files.
+    const NAME: &'static str;
+    /// A number that tells snapshots of different arithmetics apart.
+    const CODE: u8;
+    /// How many units of [`Self::change`] make 1 of the front's unit.
+    const CHANGE_UNITS: f32;
+    /// Whether the front must be held in pixels and saturated to a band of this half-width.
+    const NEEDS_BAND: Option<f32>;
+
+    /// What kernels compute in.
+    type Real: Real;
+    /// What planes and scratch rows are made of.
+    type Cell: Cell;
+
+    /// Image value or edge detector, in [0, 1], from its cell.
+    fn pixel(cell: Self::Cell) -> Self::Real;
+    /// Cell of an image value or edge detector in [0, 1].
+    fn to_pixel(value: Self::Real) -> Self::Cell;
+    /// Front value from its cell.
+    fn level(cell: Self::Cell) -> Self::Real;
+    /// Cell of a front value.
+    fn to_level(value: Self::Real) -> Self::Cell;
+
+    /// The square root of `x >= 0`.
+    fn sqrt(x: Self::Real) -> Self::Real;
+    /// `sqrt((a^2 + b^2) + (c^2 + d^2))`: the length of the upwind gradient.
+    fn norm(a: Self::Real, b: Self::Real, c: Self::Real, d: Self::Real) -> Self::Real;
+    /// The unit vector along `(x, y)`, or `None` where its length is at most `least > 0`.
+    fn unit(x: Self::Real, y: Self::Real, least: Self::Real) -> Option<(Self::Real, Self::Real)>;
+    /// `x^p` for x in [0, 1].
+    fn pow(x: Self::Real, p: Exponent) -> Self::Real;
+    /// `log2(1 + x)` for x in [0, 1].
+    fn log2_1p(x: Self::Real) -> Self::Real;
+    /// `exp(-x)` for x >= 0.
+    fn exp_neg(x: Self::Real) -> Self::Real;
+
+    /// Sum of `|new - old|` over the cells with `|old| <= limit`, in [`Self::CHANGE_UNITS`].
+    /// Independent of vector width; sums of rows add exactly, in any order.
+    fn change(old: &[Self::Cell], new: &[Self::Cell], limit: Self::Real) -> u64;
+
+    /// Runs a row loop on the machine's wide units, where the arithmetic has a use for them.
+    #[inline(always)]
+    fn wide<R>(row: impl FnOnce() -> R) -> R {
+        row()
+    }
+}

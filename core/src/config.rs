@@ -1,0 +1,384 @@
+//! What a run is to do: immutable, validated once, with the paper's values as defaults.
+
+use crate::arithmetic::Arithmetic;
+use crate::error::Error;
+
+/// Step 1: how pixel values become numbers in [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Normalize {
+    /// By the least and the greatest defined pixel (`risc01`).
+    MinMax,
+    /// By two percentiles in percent, clipped: one hot pixel must not flatten the frame.
+    Percentile {
+        /// Becomes 0.
+        low: f32,
+        /// Becomes 1.
+        high: f32,
+    },
+}
+
+/// Where `r3` changes from damping to amplifying.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tau {
+    /// Otsu's threshold of the image that is rescaled (doi:10.1109/TSMC.1979.4310076).
+    Otsu,
+    /// A given value in (0, 1).
+    Value(f32),
+}
+
+/// Step 2: the rescaling of intensities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rescale {
+    /// None.
+    None,
+    /// `x^alpha`.
+    R1 {
+        /// In (0, 1).
+        alpha: f32,
+    },
+    /// `(ln(x + 1) / ln 2)^alpha`.
+    R2 {
+        /// In (0, 1).
+        alpha: f32,
+    },
+    /// `x^beta` below tau, `x^(1/beta)` above, shifted and stretched to be continuous.
+    R3 {
+        /// 1, 2, 3, ...
+        beta: u16,
+        /// The threshold.
+        tau: Tau,
+    },
+}
+
+/// Step 3: the filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Filter {
+    /// None.
+    None,
+    /// The heat equation (`schemacal`).
+    Heat,
+    /// Perona-Malik (`eq:PM`, doi:10.1109/34.56205).
+    PeronaMalik {
+        /// The diffusion coefficient.
+        diffusivity: Diffusivity,
+        /// The gradient at which diffusion falls off, in image units (0 to 1) per `dx`.
+        mu: f32,
+    },
+}
+
+/// The diffusion coefficient of Perona-Malik, with `s = |grad I| / mu`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Diffusivity {
+    /// `1 / (1 + s^2)`.
+    F1,
+    /// `exp(-s^2)`.
+    F2,
+}
+
+/// Whether step 2 or step 3 comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// The algorithm as printed, and Test 1.
+    RescaleFirst,
+    /// Test 2.
+    FilterFirst,
+}
+
+/// Step 4: the edge detector, from `z = |grad I|`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Edge {
+    /// `1 / (1 + z^p)` (`g1`).
+    G1 {
+        /// At least 1.
+        p: f32,
+    },
+    /// `1 - (z - m) / (M - m)`, m and M the extremes of z (`g2`).
+    G2,
+    /// `max(g2 - c2, 0) / (1 - c2)` (`g2mod`).
+    G2Mod {
+        /// In [0, 1).
+        c2: f32,
+    },
+}
+
+/// Step 5: the scheme that moves the front.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// Finite differences, first order (`DFg`).
+    Fd,
+    /// Finite differences with curvature (`DFgk`).
+    FdCurvature,
+    /// Semi-Lagrangian (`SLg`).
+    Sl,
+    /// Semi-Lagrangian with curvature (`SLgk`).
+    SlCurvature,
+}
+
+/// Which form of the averages in `DFgk` and `SLgk` is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurvatureForm {
+    /// With `- v` in every average: the form that approximates the equation.
+    Consistent,
+    /// As printed, without `- v`: to check that the printed form never settles.
+    Printed,
+}
+
+/// When the front counts as stopped. Both sum |v(n+1) - v(n)| over `|v(n)| <= eps_front`, times dx^2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The sum is at most `eps` (`critarr`).
+    Paper,
+    /// The sum per unit of time is at most `eps`, and no pixel of it changed sign.
+    Rate,
+}
+
+/// Where the front starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// At the frame's border: the centred `u0`, two pixels inside.
+    Frame,
+    /// From the values the caller has put into the front plane, in the front's unit.
+    Given,
+}
+
+/// Which pixels touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Connectivity {
+    /// Edges only.
+    Four,
+    /// Edges and corners.
+    Eight,
+}
+
+/// Everything a run depends on. Lengths are in the paper's unit, in which a pixel measures `dx`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Config {
+    /// Step 1.
+    pub normalize: Normalize,
+    /// Step 2.
+    pub rescale: Rescale,
+    /// Step 3.
+    pub filter: Filter,
+    /// Number of filter steps, 0 to 1000.
+    pub filter_steps: u16,
+    /// Time step of the filter, at most `dx^2 / 4`.
+    pub filter_dt: f32,
+    /// Which of steps 2 and 3 comes first.
+    pub order: Order,
+    /// Step 4.
+    pub edge: Edge,
+    /// Step 5.
+    pub scheme: Scheme,
+    /// Weight of the curvature, 0 to 1.
+    pub nu: f32,
+    /// Form of the curvature averages.
+    pub curvature_form: CurvatureForm,
+    /// The flat case of the curvature schemes begins at `|grad u| <= degenerate * dx`.
+    pub degenerate: f32,
+    /// Directions of the semi-Lagrangian minimum: 16 or 64.
+    pub directions: u8,
+    /// Width of a pixel.
+    pub dx: f32,
+    /// Time step of the front.
+    pub dt: f32,
+    /// The front is given up at this time; `t_max / dt` is at most 100 000 steps.
+    pub t_max: f32,
+    /// Pixels with `|u|` up to here are near the front.
+    pub eps_front: f32,
+    /// Tolerance of the stopping rule.
+    pub eps: f32,
+    /// The stopping rule.
+    pub stop: Stop,
+    /// Where the front starts.
+    pub start: Start,
+    /// The front is held in pixels and saturated to this half-width, or `None` for the paper's `u0`.
+    pub band: Option<f32>,
+    /// Which pixels of a source touch.
+    pub connectivity: Connectivity,
+    /// Smaller components are dropped; pixels, at least 1.
+    pub min_area: u32,
+}
+
+/// The largest number of steps a front may take.
+pub const MAX_STEPS: u32 = 100_000;
+
+/// Rounding slack of the bounds that the paper's own values meet with equality.
+const SLACK: f32 = 1.000_001;
+
+impl Config {
+    /// Test 1 of the paper at its best: `r3` with beta = 8, heat filter, `g2mod`, `DFg`.
+    pub const PAPER_F160: Config = Config {
+        normalize: Normalize::MinMax,
+        rescale: Rescale::R3 { beta: 8, tau: Tau::Otsu },
+        filter: Filter::Heat,
+        filter_steps: 5,
+        filter_dt: 1e-4,
+        order: Order::RescaleFirst,
+        edge: Edge::G2Mod { c2: 0.8 },
+        scheme: Scheme::Fd,
+        nu: 1e-4,
+        curvature_form: CurvatureForm::Consistent,
+        degenerate: 0.1,
+        directions: 16,
+        dx: 0.1,
+        dt: 0.025,
+        t_max: 50.0,
+        eps_front: 0.1,
+        eps: 1e-3,
+        stop: Stop::Paper,
+        start: Start::Frame,
+        band: None,
+        connectivity: Connectivity::Eight,
+        min_area: 1,
+    };
+
+    /// Test 2 of the paper at its best: filter first (Perona-Malik, longer), `r1`, `g2mod`, `DFg`.
+    pub const PAPER_REAL: Config = Config {
+        rescale: Rescale::R1 { alpha: 0.25 },
+        filter: Filter::PeronaMalik { diffusivity: Diffusivity::F2, mu: 30.0 },
+        filter_steps: 15,
+        filter_dt: 1e-3,
+        order: Order::FilterFirst,
+        edge: Edge::G2Mod { c2: 0.78 },
+        ..Config::PAPER_F160
+    };
+
+    /// The paper's time step for a scheme: dx/4, dx^2 with curvature, dx for semi-Lagrangian.
+    pub fn paper_dt(scheme: Scheme, dx: f32) -> f32 {
+        match scheme {
+            Scheme::Fd => dx / 4.0,
+            Scheme::FdCurvature => dx * dx,
+            Scheme::Sl | Scheme::SlCurvature => dx,
+        }
+    }
+
+    /// The same run with another scheme at the paper's time step for it.
+    pub fn with_scheme(self, scheme: Scheme) -> Config {
+        Config { scheme, dt: Config::paper_dt(scheme, self.dx), ..self }
+    }
+
+    /// The most steps the front can take: `t_max / dt`, rounded up.
+    pub fn max_steps(&self) -> u32 {
+        let steps = self.t_max / self.dt;
+        let whole = steps as u32;
+        // A quotient a rounding error above a whole number is that number.
+        if steps - whole as f32 > 1e-3 { whole.saturating_add(1) } else { whole }
+    }
+
+    /// Checks every parameter for arithmetic `A`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first parameter that is out of bounds, or
+    /// [`Error::Arithmetic`] what `A` cannot do.
+    pub fn validate<A: Arithmetic>(&self) -> Result<(), Error> {
+        self.validate_image_steps()?;
+        self.validate_front()?;
+        if A::NEEDS_BAND.is_some_and(|most| self.band.is_none_or(|band| band > most)) {
+            return Err(Error::Arithmetic {
+                name: A::NAME,
+                reason: "its narrow front cells need a band of at most 8 pixels",
+            });
+        }
+        Ok(())
+    }
+
+    fn validate_image_steps(&self) -> Result<(), Error> {
+        above("dx", self.dx, 0.0)?;
+        at_most("dx", self.dx, 1e3)?;
+        if let Normalize::Percentile { low, high } = self.normalize {
+            at_least("low percentile", low, 0.0)?;
+            at_most("high percentile", high, 100.0)?;
+            above("high percentile", high, low)?;
+        }
+        match self.rescale {
+            Rescale::None => {}
+            Rescale::R1 { alpha } | Rescale::R2 { alpha } => {
+                above("alpha", alpha, 0.0)?;
+                below("alpha", alpha, 1.0)?;
+            }
+            Rescale::R3 { beta, tau } => {
+                at_least("beta", f32::from(beta), 1.0)?;
+                if let Tau::Value(tau) = tau {
+                    above("tau", tau, 0.0)?;
+                    below("tau", tau, 1.0)?;
+                }
+            }
+        }
+        at_most("filter steps", f32::from(self.filter_steps), 1000.0)?;
+        above("filter time step", self.filter_dt, 0.0)?;
+        at_most("filter time step", self.filter_dt, self.dx * self.dx / 4.0 * SLACK)?;
+        if let Filter::PeronaMalik { mu, .. } = self.filter {
+            above("mu", mu, 0.0)?;
+            at_most("mu", mu, 1e6)?;
+        }
+        match self.edge {
+            Edge::G1 { p } => {
+                at_least("p", p, 1.0)?;
+                at_most("p", p, 1e6)
+            }
+            Edge::G2 => Ok(()),
+            Edge::G2Mod { c2 } => {
+                at_least("c2", c2, 0.0)?;
+                below("c2", c2, 1.0)
+            }
+        }
+    }
+
+    fn validate_front(&self) -> Result<(), Error> {
+        above("time step", self.dt, 0.0)?;
+        at_most("time step", self.dt, self.longest_step())?;
+        at_least("nu", self.nu, 0.0)?;
+        at_most("nu", self.nu, 1.0)?;
+        above("degenerate", self.degenerate, 0.0)?;
+        at_most("degenerate", self.degenerate, 1e3)?;
+        if self.directions != 16 && self.directions != 64 {
+            return Err(parameter("directions", f32::from(self.directions), "16 or", 64.0));
+        }
+        above("t_max", self.t_max, 0.0)?;
+        at_most("t_max", self.t_max, self.dt * MAX_STEPS as f32)?;
+        above("eps_front", self.eps_front, 0.0)?;
+        at_most("eps_front", self.eps_front, 1e6)?;
+        above("eps", self.eps, 0.0)?;
+        at_most("eps", self.eps, 1e6)?;
+        if let Some(band) = self.band {
+            at_least("band", band, 2.0)?;
+            at_most("band", band, 1e4)?;
+        }
+        at_least("min_area", self.min_area as f32, 1.0)
+    }
+
+    /// The bound on `dt` (CFL): 1/2 of a pixel per step for FD, 1 for SL; explicit curvature
+    /// `nu dt <= dx^2 / 2`; the look along the contour, `sqrt(2 dt)`, within five pixels.
+    fn longest_step(&self) -> f32 {
+        let curvature = self.dx * self.dx / (2.0 * self.nu).max(f32::MIN_POSITIVE);
+        let longest = match self.scheme {
+            Scheme::Fd => self.dx / 2.0,
+            Scheme::FdCurvature => (self.dx / 2.0).min(curvature),
+            Scheme::Sl => self.dx,
+            Scheme::SlCurvature => self.dx.min(12.5 * self.dx * self.dx),
+        };
+        longest * SLACK
+    }
+}
+
+fn parameter(name: &'static str, value: f32, bound: &'static str, limit: f32) -> Error {
+    Error::Parameter { name, value, bound, limit }
+}
+
+// Each comparison is written so that a NaN fails it.
+
+fn above(name: &'static str, value: f32, limit: f32) -> Result<(), Error> {
+    if value > limit { Ok(()) } else { Err(parameter(name, value, "above", limit)) }
+}
+
+fn below(name: &'static str, value: f32, limit: f32) -> Result<(), Error> {
+    if value < limit { Ok(()) } else { Err(parameter(name, value, "below", limit)) }
+}
+
+fn at_least(name: &'static str, value: f32, limit: f32) -> Result<(), Error> {
+    if value >= limit { Ok(()) } else { Err(parameter(name, value, "at least", limit)) }
+}
+
+fn at_most(name: &'static str, value: f32, limit: f32) -> Result<(), Error> {
+    if value <= limit { Ok(()) } else { Err(parameter(name, value, "at most", limit)) }
+}

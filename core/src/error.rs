@@ -1,0 +1,107 @@
+//! What a caller can get wrong, named: the parameter, its value and its bound.
+
+use core::fmt;
+
+/// Why a pipeline cannot be set up or go on. `E` is the error of the frame source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Error<E = core::convert::Infallible> {
+    /// A parameter lies outside its bounds.
+    Parameter {
+        /// The parameter's name.
+        name: &'static str,
+        /// Its value.
+        value: f32,
+        /// What it must satisfy, in words.
+        bound: &'static str,
+        /// The bound as a number.
+        limit: f32,
+    },
+    /// The image has an impossible or unsupported size.
+    Size {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// The least number of columns, and of rows, that this configuration can work with.
+        least: usize,
+        /// The greatest number of pixels this arithmetic can label.
+        most_pixels: usize,
+    },
+    /// A slice of the caller's memory has the wrong length.
+    Length {
+        /// Which slice.
+        name: &'static str,
+        /// Its length, in elements.
+        given: usize,
+        /// The length it must have at least.
+        needed: usize,
+    },
+    /// No pixel is finite: there is nothing to segment.
+    NothingDefined {
+        /// How many pixels the image has.
+        pixels: usize,
+    },
+    /// All defined pixels, or the two percentiles, are equal: min-max scaling is undefined.
+    Constant {
+        /// The value they share.
+        value: f32,
+    },
+    /// The chosen arithmetic cannot serve this scheme or option.
+    Arithmetic {
+        /// The arithmetic.
+        name: &'static str,
+        /// What it cannot do, and why.
+        reason: &'static str,
+    },
+    /// The memory between two polls is not what the pipeline left there.
+    Corrupted {
+        /// Which plane or table.
+        name: &'static str,
+    },
+    /// The frame source failed.
+    Frame(E),
+}
+
+impl<E> Error<E> {
+    /// The same error for any frame source; a frame error is given to `frame`.
+    pub fn map_frame<F>(self, frame: impl FnOnce(E) -> F) -> Error<F> {
+        match self {
+            Error::Parameter { name, value, bound, limit } => Error::Parameter { name, value, bound, limit },
+            Error::Size { width, height, least, most_pixels } => Error::Size { width, height, least, most_pixels },
+            Error::Length { name, given, needed } => Error::Length { name, given, needed },
+            Error::NothingDefined { pixels } => Error::NothingDefined { pixels },
+            Error::Constant { value } => Error::Constant { value },
+            Error::Arithmetic { name, reason } => Error::Arithmetic { name, reason },
+            Error::Corrupted { name } => Error::Corrupted { name },
+            Error::Frame(error) => Error::Frame(frame(error)),
+        }
+    }
+}
+
+impl<E: fmt::Display> fmt::Display for Error<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Parameter { name, value, bound, limit } => {
+                write!(f, "{name} is {value}, but must be {bound} {limit}")
+            }
+            Error::Size { width, height, least, most_pixels } => write!(
+                f,
+                "the image is {width} x {height} pixels, but must be at least {least} x {least} and at most {most_pixels} pixels"
+            ),
+            Error::Length { name, given, needed } => {
+                write!(f, "the memory for {name} has {given} elements, but needs {needed}")
+            }
+            Error::NothingDefined { pixels } => {
+                write!(f, "none of the {pixels} pixels is a finite number")
+            }
+            Error::Constant { value } => {
+                write!(f, "all pixels in the range to normalise equal {value}: nothing stands out")
+            }
+            Error::Arithmetic { name, reason } => write!(f, "arithmetic {name}: {reason}"),
+            Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),
+            Error::Frame(error) => write!(f, "reading the frame: {error}"),
+        }
+    }
+}
+
+impl<E: fmt::Debug + fmt::Display> core::error::Error for Error<E> {}

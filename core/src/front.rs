@@ -1,0 +1,62 @@
+//! The front before its first step.
+
+use crate::arithmetic::{Arithmetic, Real};
+use crate::config::Config;
+
+/// The least width and height: `u0` begins two pixels inside the frame and needs one inside that.
+pub const LEAST_SIDE: usize = 5;
+
+/// The centred `u0` of spec section 2, in the front's unit.
+///
+/// `1 - max(|x - cx| / (W dx/2 - 2 dx), |y - cy| / (H dx/2 - 2 dx))`: 1 in the middle of the
+/// frame, 0 two pixels inside its border, negative outside. With a band it is measured in pixels
+/// of the shorter side and saturated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Front {
+    width: usize,
+    height: usize,
+    /// Units of the front plane in one unit of the paper's `u0`.
+    pub unit: f32,
+    /// Saturation, in units of the front plane.
+    band: f32,
+}
+
+impl Front {
+    /// The front of a frame of `width` x `height` pixels, each at least [`LEAST_SIDE`].
+    pub fn new(config: &Config, width: usize, height: usize) -> Front {
+        let shorter = width.min(height).saturating_sub(4);
+        let (unit, band) = match config.band {
+            None => (1.0, f32::MAX),
+            Some(band) => (shorter as f32 * 0.5, band),
+        };
+        Front { width, height, unit, band }
+    }
+
+    /// Saturates a front value.
+    #[inline]
+    pub fn saturate(&self, value: f32) -> f32 {
+        if value > self.band {
+            self.band
+        } else if value < -self.band {
+            -self.band
+        } else {
+            value
+        }
+    }
+
+    /// Writes row `y` of `u0`.
+    pub fn row<A: Arithmetic>(&self, y: usize, row: &mut [A::Cell]) {
+        let vertical = off_centre(y, self.height);
+        for (x, cell) in row.iter_mut().enumerate() {
+            let horizontal = off_centre(x, self.width);
+            let farthest = if horizontal > vertical { horizontal } else { vertical };
+            *cell = A::to_level(A::Real::of(self.saturate(self.unit * (1.0 - farthest))));
+        }
+    }
+}
+
+/// `|x - (n-1)/2| / (n/2 - 2)`, a quotient of two integers and so the same from both ends.
+fn off_centre(x: usize, n: usize) -> f32 {
+    let offset = (2 * x).abs_diff(n.saturating_sub(1));
+    offset as f32 / n.saturating_sub(4).max(1) as f32
+}

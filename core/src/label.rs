@@ -1,0 +1,175 @@
+//! Step 6: the connected components of {u > 0} become labels, in the caller's two planes.
+//!
+//! The front plane turns into labels; the image plane, no longer needed, holds the table: the
+//! label that each provisional label was found to be equal to, from the front, and the areas (then
+//! the final numbers), from the back. Five bounded passes:
+//!
+//! 1. [`Table::provisional_row`]: labels of the neighbours already seen, or a new one;
+//! 2. [`Table::resolve`]: every label points to the first label of its component;
+//! 3. [`Table::count_row`]: pixels become first labels, and their areas are counted;
+//! 4. [`Table::number`]: first labels of components that are large enough are numbered in order;
+//! 5. [`Table::final_row`]: pixels become final labels.
+//!
+//! A provisional label is made where a component's first pixel is met, so that the first label of
+//! a component is also its least, and final labels are in raster order of first pixels.
+
+use crate::arithmetic::{Arithmetic, Cell, Real};
+use crate::config::Connectivity;
+
+/// The memory between two polls was damaged: a table entry that no run can have written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Damaged;
+
+/// The label table in a plane.
+#[derive(Debug)]
+pub struct Table<'a, C: Cell> {
+    cells: &'a mut [C],
+}
+
+impl<'a, C: Cell> Table<'a, C> {
+    /// A table in the cells of a plane.
+    pub fn new(cells: &'a mut [C]) -> Self {
+        Table { cells }
+    }
+
+    /// The most labels that the table, its cells and its areas can hold.
+    pub fn capacity(&self) -> u32 {
+        let half = u32::try_from(self.cells.len() / 2).unwrap_or(u32::MAX);
+        half.min(C::MAX_LABEL)
+    }
+
+    fn equal(&self, label: u32) -> Result<u32, Damaged> {
+        self.cells.get(label.wrapping_sub(1) as usize).map(|cell| cell.label()).ok_or(Damaged)
+    }
+
+    fn set_equal(&mut self, label: u32, to: u32) {
+        if let Some(cell) = self.cells.get_mut(label.wrapping_sub(1) as usize) {
+            *cell = C::from_label(to);
+        }
+    }
+
+    fn back(&mut self, label: u32) -> Option<&mut C> {
+        let index = self.cells.len().checked_sub(label as usize)?;
+        self.cells.get_mut(index)
+    }
+
+    /// The first label of the component of `label`, halving the way there for the next time.
+    /// Every step goes to a smaller label, so the walk ends within `label` steps.
+    fn first(&mut self, mut label: u32) -> Result<u32, Damaged> {
+        loop {
+            let next = self.equal(label)?;
+            if next == label {
+                return Ok(label);
+            }
+            let after = self.equal(next)?;
+            if next > label || after > next || after == 0 {
+                return Err(Damaged);
+            }
+            self.set_equal(label, after);
+            label = after;
+        }
+    }
+
+    /// Notes that two labels are of one component; its first label.
+    fn join(&mut self, a: u32, b: u32) -> Result<u32, Damaged> {
+        let (a, b) = (self.first(a)?, self.first(b)?);
+        let (first, other) = if a < b { (a, b) } else { (b, a) };
+        self.set_equal(other, first);
+        Ok(first)
+    }
+
+    /// Pass 1: turns a row of the front into provisional labels, given the labels of the row
+    /// before (empty for row 0) and the original pixels (undefined ones belong to nothing).
+    /// `labels` is the number of labels so far; the number of pixels that found no free label is
+    /// returned.
+    ///
+    /// # Errors
+    /// [`Damaged`] where the table does not hold what earlier rows wrote.
+    pub fn provisional_row<A: Arithmetic<Cell = C>>(
+        &mut self,
+        row: &mut [C],
+        before: &[C],
+        pixels: &[f32],
+        connectivity: Connectivity,
+        labels: &mut u32,
+    ) -> Result<u32, Damaged> {
+        let diagonal = connectivity == Connectivity::Eight;
+        let (mut left, mut before_left, mut unlabelled) = (0, 0, 0);
+        let mut before = before.iter().map(|cell| cell.label()).peekable();
+        for (cell, pixel) in row.iter_mut().zip(pixels) {
+            let above = before.next().unwrap_or(0);
+            let mut label = 0;
+            if A::level(*cell) > A::Real::ZERO && pixel.is_finite() {
+                let above_right = before.peek().copied().unwrap_or(0);
+                let corners = if diagonal { [before_left, above_right] } else { [0, 0] };
+                for neighbour in [left, above].into_iter().chain(corners) {
+                    if neighbour != 0 && neighbour != label {
+                        label = if label == 0 { self.first(neighbour)? } else { self.join(label, neighbour)? };
+                    }
+                }
+                if label == 0 && *labels < self.capacity() {
+                    *labels = labels.saturating_add(1);
+                    label = *labels;
+                    self.set_equal(label, label);
+                    if let Some(area) = self.back(label) {
+                        *area = C::from_label(0);
+                    }
+                }
+                unlabelled += u32::from(label == 0);
+            }
+            *cell = C::from_label(label);
+            left = label;
+            before_left = above;
+        }
+        Ok(unlabelled)
+    }
+
+    /// Pass 2, for labels in increasing order: points a label to its component's first label.
+    ///
+    /// # Errors
+    /// [`Damaged`], as in pass 1.
+    pub fn resolve(&mut self, label: u32) -> Result<(), Damaged> {
+        let first = self.first(label)?;
+        self.set_equal(label, first);
+        Ok(())
+    }
+
+    /// Pass 3: first labels in place of provisional ones, and their areas (saturated).
+    ///
+    /// # Errors
+    /// [`Damaged`] where a pixel has a label that was never given.
+    pub fn count_row(&mut self, row: &mut [C]) -> Result<(), Damaged> {
+        for cell in row.iter_mut().filter(|cell| cell.label() != 0) {
+            let first = self.equal(cell.label())?;
+            *cell = C::from_label(first);
+            let area = self.back(first).ok_or(Damaged)?;
+            *area = C::from_label(area.label().saturating_add(1));
+        }
+        Ok(())
+    }
+
+    /// Pass 4, for labels in increasing order: the final number of a first label takes the place
+    /// of its area; 0 where the component is too small. `numbered` counts the numbers given.
+    ///
+    /// # Errors
+    /// [`Damaged`] where the table ends before the label.
+    pub fn number(&mut self, label: u32, min_area: u32, numbered: &mut u32) -> Result<(), Damaged> {
+        let is_first = self.equal(label)? == label;
+        let area = self.back(label).ok_or(Damaged)?;
+        let keep = is_first && area.label() >= min_area.min(C::MAX_LABEL);
+        *numbered = numbered.saturating_add(u32::from(keep));
+        *area = C::from_label(if keep { *numbered } else { 0 });
+        Ok(())
+    }
+
+    /// Pass 5: final labels in place of first labels.
+    ///
+    /// # Errors
+    /// [`Damaged`] where a pixel has a label that was never given.
+    pub fn final_row(&mut self, row: &mut [C]) -> Result<(), Damaged> {
+        for cell in row.iter_mut().filter(|cell| cell.label() != 0) {
+            *cell = *self.back(cell.label()).ok_or(Damaged)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,28 @@
+//! What a processor offers beyond plain code: a square root and wider vectors.
+//!
+//! Neither can change a bit. IEEE 754 rounds the square root correctly, so every conforming
+//! implementation returns the same value, and the row loops are written so that their result does
+//! not depend on how many pixels are worked on at once.
+
+/// A processor, as the row loops see it.
+pub trait Machine: Copy + Default + core::fmt::Debug + 'static {
+    /// The square root of `x >= 0`, correctly rounded (IEEE 754, ties to even).
+    fn sqrt(x: f32) -> f32;
+
+    /// Runs a row loop, on wider vector units where the processor has them.
+    #[inline(always)]
+    fn wide<R>(row: impl FnOnce() -> R) -> R {
+        row()
+    }
+}
+
+/// Any processor: the square root of `libm`, no vectors asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Plain;
+
+impl Machine for Plain {
+    #[inline]
+    fn sqrt(x: f32) -> f32 {
+        libm::sqrtf(x)
+    }
+}

@@ -1,0 +1,70 @@
+//! Step 1: pixel values become numbers in [0, 1] (`risc01`).
+
+use crate::arithmetic::{Arithmetic, Real};
+
+/// The extremes and number of the defined pixels seen so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    /// The least defined pixel; +infinity before the first.
+    pub least: f32,
+    /// The greatest defined pixel; -infinity before the first.
+    pub greatest: f32,
+    /// Number of defined pixels.
+    pub defined: u32,
+}
+
+impl Extremes {
+    /// Before the first pixel.
+    pub const NONE: Extremes = Extremes { least: f32::INFINITY, greatest: f32::NEG_INFINITY, defined: 0 };
+
+    /// Takes in one row of pixels; NaN and infinities do not count.
+    pub fn observe(&mut self, row: &[f32]) {
+        for &pixel in row {
+            if pixel.is_finite() {
+                self.defined = self.defined.saturating_add(1);
+                if pixel < self.least {
+                    self.least = pixel;
+                }
+                if pixel > self.greatest {
+                    self.greatest = pixel;
+                }
+            }
+        }
+    }
+}
+
+/// The linear map that takes `low` to 0 and `high` to 1, clipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Becomes 0.
+    pub low: f32,
+    /// Becomes 1; above `low`.
+    pub high: f32,
+}
+
+impl Range {
+    /// `(pixel - low) / (high - low)`, clipped to [0, 1]; `fill` for an undefined pixel.
+    #[inline]
+    pub fn apply(&self, pixel: f32, fill: f32) -> f32 {
+        if !pixel.is_finite() {
+            return fill;
+        }
+        let span = self.high - self.low;
+        let value = if span < f32::INFINITY {
+            (pixel - self.low) / span
+        } else {
+            // Halves are exact here and cannot overflow.
+            (pixel * 0.5 - self.low * 0.5) / (self.high * 0.5 - self.low * 0.5)
+        };
+        if value > 0.0 { if value < 1.0 { value } else { 1.0 } } else { 0.0 }
+    }
+}
+
+/// One row of pixels into one row of the image plane.
+pub fn row<A: Arithmetic>(range: Range, fill: f32, pixels: &[f32], image: &mut [A::Cell]) {
+    A::wide(|| {
+        for (cell, &pixel) in image.iter_mut().zip(pixels) {
+            *cell = A::to_pixel(A::Real::of(range.apply(pixel, fill)));
+        }
+    });
+}

@@ -1,0 +1,50 @@
+//! Otsu's threshold (doi:10.1109/TSMC.1979.4310076) from a histogram of constant size.
+
+/// Number of bins over [0, 1]; the last one holds 1 as well.
+pub const BINS: usize = 256;
+
+/// A histogram of values in [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Histogram(pub [u32; BINS]);
+
+impl Histogram {
+    /// No value yet.
+    pub const EMPTY: Histogram = Histogram([0; BINS]);
+
+    /// Counts a value; values outside [0, 1] count in the outermost bins.
+    #[inline]
+    pub fn add(&mut self, value: f32) {
+        let bin = ((value * BINS as f32) as usize).min(BINS - 1);
+        if let Some(count) = self.0.get_mut(bin) {
+            *count = count.saturating_add(1);
+        }
+    }
+
+    /// The upper edge of the last background bin, where the variance between the two classes is
+    /// greatest; the lowest such edge where several are equal, and 0 where all values share a bin.
+    ///
+    /// The class means differ by an exact integer over the product of the class sizes, so only
+    /// the last two divisions and a product are rounded.
+    pub fn otsu(&self) -> f32 {
+        let (count, sum) = (0u64..).zip(&self.0).fold((0u64, 0u64), |(count, sum), (bin, &n)| {
+            (count.saturating_add(u64::from(n)), sum.saturating_add(bin.saturating_mul(u64::from(n))))
+        });
+        let (mut best, mut tau) = (0.0f32, 0.0f32);
+        let (mut count_below, mut sum_below) = (0u64, 0u64);
+        for (bin, &n) in (0u64..).zip(&self.0) {
+            count_below = count_below.saturating_add(u64::from(n));
+            sum_below = sum_below.saturating_add(bin.saturating_mul(u64::from(n)));
+            let count_above = count.saturating_sub(count_below);
+            if count_below == 0 || count_above == 0 {
+                continue;
+            }
+            let distance = sum.saturating_mul(count_below).abs_diff(sum_below.saturating_mul(count)) as f32;
+            let between = (distance / count_below as f32) * (distance / count_above as f32);
+            if between > best {
+                best = between;
+                tau = (bin + 1) as f32 / BINS as f32;
+            }
+        }
+        tau
+    }
+}

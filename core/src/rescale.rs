@@ -1,0 +1,76 @@
+//! Step 2: rescaling of intensities, so that faint objects stand out.
+//!
+//! All functions map [0, 1] onto itself, keep 0 and 1, and grow strictly (A1 to A3).
+
+use crate::arithmetic::{Arithmetic, Exponent, Real};
+use crate::config::Rescale;
+
+/// A rescaling with its constants.
+#[derive(Clone, Copy, Debug)]
+pub enum Rescaler<A: Arithmetic> {
+    /// `x^alpha`.
+    R1(Exponent),
+    /// `(ln(x + 1) / ln 2)^alpha`.
+    R2(Exponent),
+    /// Around a threshold.
+    R3 {
+        /// The threshold.
+        tau: A::Real,
+        /// `x^beta`.
+        damp: Exponent,
+        /// `x^(1/beta)`.
+        lift: Exponent,
+    },
+}
+
+impl<A: Arithmetic> Rescaler<A> {
+    /// The rescaling `which`, with `tau` for `r3`; `None` where there is nothing to do.
+    pub fn new(which: Rescale, tau: A::Real) -> Option<Self> {
+        match which {
+            Rescale::None => None,
+            Rescale::R1 { alpha } => Some(Rescaler::R1(Exponent::of(alpha))),
+            Rescale::R2 { alpha } => Some(Rescaler::R2(Exponent::of(alpha))),
+            Rescale::R3 { beta, .. } => {
+                let damp = Exponent::of(f32::from(beta));
+                let lift = match damp {
+                    Exponent::Squarings(n) => Exponent::Roots(n),
+                    other => Exponent::of(1.0 / other.value()),
+                };
+                Some(Rescaler::R3 { tau, damp, lift })
+            }
+        }
+    }
+
+    /// Applies it to a value in [0, 1].
+    #[inline(always)]
+    pub fn apply(&self, x: A::Real) -> A::Real {
+        let value = match *self {
+            Rescaler::R1(alpha) => A::pow(x, alpha),
+            Rescaler::R2(alpha) => A::pow(A::log2_1p(x), alpha),
+            Rescaler::R3 { tau, damp, lift } => r3::<A>(x, tau, damp, lift),
+        };
+        value.positive().least(A::Real::ONE)
+    }
+
+    /// Applies it in place to a row of the image plane.
+    pub fn row(&self, image: &mut [A::Cell]) {
+        A::wide(|| {
+            for cell in image {
+                *cell = A::to_pixel(self.apply(A::pixel(*cell)));
+            }
+        });
+    }
+}
+
+/// `x^beta / tau^(beta-1)` below tau is `tau (x/tau)^beta`, and
+/// `(x-tau)^(1/beta) / (1-tau)^(1/beta-1) + tau` is `(1-tau) ((x-tau)/(1-tau))^(1/beta) + tau`:
+/// the same numbers, without powers that leave [0, 1].
+#[inline(always)]
+fn r3<A: Arithmetic>(x: A::Real, tau: A::Real, damp: Exponent, lift: Exponent) -> A::Real {
+    if x < tau {
+        tau * A::pow(x.ratio(tau), damp)
+    } else {
+        let above = A::Real::ONE - tau;
+        above * A::pow((x - tau).ratio(above), lift) + tau
+    }
+}

@@ -1,0 +1,70 @@
+//! The scheme chosen at run time.
+
+use super::{Evolve, Fd, FdCurvature, Sl, SlCurvature};
+use crate::arithmetic::Arithmetic;
+use crate::config::{Config, Scheme};
+use crate::stop::Change;
+use crate::sweep::Halo;
+use core::ops::Range;
+
+/// Any of the schemes. A program that needs only one names it instead and is smaller.
+#[derive(Clone, Copy, Debug)]
+pub enum AnyScheme<A: Arithmetic> {
+    /// `DFg`.
+    Fd(Fd<A>),
+    /// `DFgk`.
+    FdCurvature(FdCurvature<A>),
+    /// `SLg`, 16 directions.
+    Sl(Sl<A>),
+    /// `SLg`, 64 directions.
+    SlFine(Sl<A, 15>),
+    /// `SLgk`, 16 directions.
+    SlCurvature(SlCurvature<A>),
+    /// `SLgk`, 64 directions.
+    SlCurvatureFine(SlCurvature<A, 15>),
+}
+
+/// The same expression for whichever scheme it is.
+macro_rules! each {
+    ($any:expr, $scheme:ident => $expression:expr) => {
+        match $any {
+            AnyScheme::Fd($scheme) => $expression,
+            AnyScheme::FdCurvature($scheme) => $expression,
+            AnyScheme::Sl($scheme) => $expression,
+            AnyScheme::SlFine($scheme) => $expression,
+            AnyScheme::SlCurvature($scheme) => $expression,
+            AnyScheme::SlCurvatureFine($scheme) => $expression,
+        }
+    };
+}
+
+impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
+    fn new(config: &Config, unit: f32) -> Result<Self, Scheme> {
+        let fine = config.directions == 64;
+        match (config.scheme, fine) {
+            (Scheme::Fd, _) => Fd::new(config, unit).map(AnyScheme::Fd),
+            (Scheme::FdCurvature, _) => FdCurvature::new(config, unit).map(AnyScheme::FdCurvature),
+            (Scheme::Sl, false) => Sl::new(config, unit).map(AnyScheme::Sl),
+            (Scheme::Sl, true) => Sl::new(config, unit).map(AnyScheme::SlFine),
+            (Scheme::SlCurvature, false) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvature),
+            (Scheme::SlCurvature, true) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvatureFine),
+        }
+    }
+
+    fn window(&self) -> usize {
+        each!(self, scheme => Evolve::<A>::window(scheme))
+    }
+
+    fn advance(
+        &self,
+        front: &mut [A::Cell],
+        speed: &[A::Cell],
+        ring: &mut [A::Cell],
+        width: usize,
+        rows: Range<usize>,
+        halo: Halo<'_, A::Cell>,
+        change: &mut Change<A>,
+    ) {
+        each!(self, scheme => scheme.advance(front, speed, ring, width, rows, halo, change));
+    }
+}

@@ -1,0 +1,61 @@
+//! Finite differences, first order: `v - dt g |grad v|`, upwind (`DFg`).
+
+use super::{Evolve, tracked};
+use crate::arithmetic::{Arithmetic, Real};
+use crate::config::{Config, Scheme};
+use crate::stop::Change;
+use crate::sweep::{Cross, Halo, Kernel, cross};
+use core::ops::Range;
+
+/// The scheme `DFg`. Monotone while `dt g / dx <= 1/2`.
+#[derive(Clone, Copy, Debug)]
+pub struct Fd<A: Arithmetic> {
+    /// `dt / dx`: how many pixels the front moves in a step where g = 1.
+    courant: A::Real,
+}
+
+/// The upwind gradient of a shrinking positive region, undivided (`nabla^+`).
+#[inline(always)]
+pub(super) fn upwind<A: Arithmetic>(v: A::Real, l: A::Real, r: A::Real, b: A::Real, a: A::Real) -> A::Real {
+    A::norm((v - l).positive(), (r - v).negative(), (v - b).positive(), (a - v).negative())
+}
+
+impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
+    #[inline(always)]
+    fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
+        let Cross { centre, left, right, below, above } = cross(old);
+        for ((((((new, &v), &l), &r), &b), &a), &g) in
+            new.iter_mut().zip(centre).zip(left).zip(right).zip(below).zip(above).zip(speed)
+        {
+            let v = A::level(v);
+            let gradient = upwind::<A>(v, A::level(l), A::level(r), A::level(b), A::level(a));
+            *new = A::to_level(v - (self.courant * A::pixel(g)) * gradient);
+        }
+    }
+}
+
+impl<A: Arithmetic> Evolve<A> for Fd<A> {
+    fn new(config: &Config, _unit: f32) -> Result<Self, Scheme> {
+        match config.scheme {
+            Scheme::Fd => Ok(Fd { courant: A::Real::of(config.dt / config.dx) }),
+            other => Err(other),
+        }
+    }
+
+    fn window(&self) -> usize {
+        3
+    }
+
+    fn advance(
+        &self,
+        front: &mut [A::Cell],
+        speed: &[A::Cell],
+        ring: &mut [A::Cell],
+        width: usize,
+        rows: Range<usize>,
+        halo: Halo<'_, A::Cell>,
+        change: &mut Change<A>,
+    ) {
+        tracked::<A, _, 3>(*self, front, speed, ring, width, rows, halo, change);
+    }
+}

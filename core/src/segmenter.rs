@@ -1,0 +1,419 @@
+//! The state machine that takes a frame through all steps, in slices of bounded work.
+
+use crate::arithmetic::{Arithmetic, Cell, Real};
+use crate::catalog::Source;
+use crate::config::{Config, Filter, Normalize, Rescale, Start, Tau};
+use crate::edge::{EdgeDetector, GradientRange};
+use crate::error::Error;
+use crate::filter::{Heat, PeronaMalik};
+use crate::frame::Frame;
+use crate::front::{Front, LEAST_SIDE};
+use crate::label::{Damaged, Table};
+use crate::memory::Memory;
+use crate::normalize::{self, Extremes, Range};
+use crate::otsu::Histogram;
+use crate::outcome::{Outcome, Progress, StopReason};
+use crate::rescale::Rescaler;
+use crate::scheme::{AnyScheme, Evolve};
+use crate::select::Select;
+use crate::stage::Stage;
+use crate::stop::{Change, StopRule};
+use crate::sweep::{Halo, Kernel, advance, row_of, row_of_mut};
+
+/// Everything that changes during a run but lies not in a plane.
+#[derive(Clone, Copy, Debug)]
+struct State<A: Arithmetic> {
+    stage: Stage,
+    pass: u32,
+    row: usize,
+    extremes: Extremes,
+    select: Select,
+    range: Range,
+    fill: f32,
+    histogram: Histogram,
+    tau: f32,
+    gradient: GradientRange<A>,
+    change: Change<A>,
+    last_change: f32,
+    reason: StopReason,
+    steps: u32,
+    mask_pixels: u32,
+    labels: u32,
+    numbered: u32,
+    unlabelled: u32,
+    work: u64,
+}
+
+/// A run over one frame: immutable configuration, the caller's memory, and the state.
+///
+/// `S` is the scheme: [`AnyScheme`] takes it from the configuration; naming one of
+/// [`crate::scheme`] leaves the others out of the program.
+#[derive(Debug)]
+pub struct Segmenter<'m, A: Arithmetic, S: Evolve<A> = AnyScheme<A>> {
+    config: Config,
+    width: usize,
+    height: usize,
+    front: Front,
+    scheme: S,
+    rule: StopRule<A>,
+    memory: Memory<'m, A>,
+    state: State<A>,
+}
+
+impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
+    /// Sets up a run; nothing can be wrong with the parameters or the memory afterwards.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`], [`Error::Arithmetic`], [`Error::Size`] or [`Error::Length`].
+    pub fn new(config: &Config, width: usize, height: usize, memory: Memory<'m, A>) -> Result<Self, Error> {
+        config.validate::<A>()?;
+        let most_pixels = (A::Cell::MAX_LABEL as usize).saturating_mul(64);
+        let pixels = width.saturating_mul(height);
+        if width < LEAST_SIDE || height < LEAST_SIDE || width > 1 << 20 || pixels > most_pixels {
+            return Err(Error::Size { width, height, least: LEAST_SIDE, most_pixels });
+        }
+        let front = Front::new(config, width, height);
+        let scheme = S::new(config, front.unit).map_err(|_| Error::Arithmetic {
+            name: A::NAME,
+            reason: "the configuration names another scheme than this program was built for",
+        })?;
+        memory.check(width, height, scheme.window())?;
+        let rule = StopRule::new(config, front.unit);
+        let state = State {
+            stage: Stage::Extremes,
+            pass: 0,
+            row: 0,
+            extremes: Extremes::NONE,
+            select: Select::new(0),
+            range: Range { low: 0.0, high: 1.0 },
+            fill: 0.0,
+            histogram: Histogram::EMPTY,
+            tau: 0.0,
+            gradient: GradientRange::none(),
+            change: Change::none(&rule),
+            last_change: 0.0,
+            reason: StopReason::TimeLimit,
+            steps: 0,
+            mask_pixels: 0,
+            labels: 0,
+            numbered: 0,
+            unlabelled: 0,
+            work: 0,
+        };
+        Ok(Segmenter { config: *config, width, height, front, scheme, rule, memory, state })
+    }
+
+    /// Does at most `rows` rows (at least one) of the pass under way.
+    ///
+    /// The same bits come out whatever the slices. After an error of the frame source the same
+    /// poll can be tried again; after [`Error::Corrupted`] the run cannot go on.
+    ///
+    /// # Errors
+    /// [`Error::Frame`], [`Error::NothingDefined`], [`Error::Constant`] or [`Error::Corrupted`].
+    pub fn poll<F: Frame>(&mut self, rows: usize, frame: &mut F) -> Result<Progress, Error<F::Error>> {
+        let height = self.height;
+        let end = self.state.row.saturating_add(rows.max(1)).min(height);
+        match self.state.stage {
+            Stage::Filter => self.filter_rows(end),
+            Stage::Gradient => {
+                let mut kernel = self.state.gradient;
+                self.sweep_image(&mut kernel, end);
+                self.state.gradient = kernel;
+            }
+            Stage::Edge => self.sweep_image(&mut EdgeDetector::<A>::new(&self.config, &self.state.gradient), end),
+            Stage::Evolve => self.evolve_rows(end),
+            Stage::Done => return Ok(Progress::Done(self.outcome())),
+            _ => {
+                for y in self.state.row..end {
+                    self.single_row(y, frame)?;
+                    self.state.row = y.saturating_add(1);
+                    self.state.work = self.state.work.saturating_add(1);
+                }
+            }
+        }
+        let swept = end.saturating_sub(self.state.row) as u64;
+        self.state.work = self.state.work.saturating_add(swept);
+        self.state.row = end;
+        if end == height {
+            self.end_pass().map_err(|error| error.map_frame(|never| match never {}))?;
+        }
+        Ok(self.progress())
+    }
+
+    /// One row of a stage that looks at no neighbours.
+    fn single_row<F: Frame>(&mut self, y: usize, frame: &mut F) -> Result<(), Error<F::Error>> {
+        let width = self.width;
+        let state = &mut self.state;
+        let samples = self.memory.samples.get_mut(..width).unwrap_or(&mut []);
+        let image = row_of_mut(self.memory.image, width, y);
+        if state.stage.reads_frame() {
+            frame.row(y, samples).map_err(Error::Frame)?;
+        }
+        match state.stage {
+            Stage::Extremes => state.extremes.observe(samples),
+            Stage::LowPercentile | Stage::HighPercentile | Stage::Median => state.select.observe(samples),
+            Stage::Normalize => normalize::row::<A>(state.range, state.fill, samples, image),
+            Stage::Otsu => {
+                for (cell, _) in image.iter().zip(samples).filter(|(_, pixel)| pixel.is_finite()) {
+                    state.histogram.add(A::pixel(*cell).to_f32());
+                }
+            }
+            Stage::Rescale => {
+                if let Some(rescaler) = Rescaler::<A>::new(self.config.rescale, A::Real::of(state.tau)) {
+                    rescaler.row(image);
+                }
+            }
+            Stage::Front => self.front_row(y).map_err(corrupted)?,
+            _ => self.label_row(y).map_err(corrupted)?,
+        }
+        Ok(())
+    }
+
+    fn front_row(&mut self, y: usize) -> Result<(), &'static str> {
+        let row = row_of_mut(self.memory.front, self.width, y);
+        match self.config.start {
+            Start::Frame => self.front.row::<A>(y, row),
+            Start::Given => {
+                for cell in row {
+                    let value = A::level(*cell).to_f32();
+                    if !value.is_finite() {
+                        return Err("the given front: a value is not finite");
+                    }
+                    *cell = A::to_level(A::Real::of(self.front.saturate(value)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn label_row(&mut self, y: usize) -> Result<(), &'static str> {
+        let (width, state) = (self.width, &mut self.state);
+        let mut table = Table::new(self.memory.image);
+        let start = y.saturating_mul(width);
+        let (before, rest) = self.memory.front.split_at_mut_checked(start).unwrap_or((&mut [], &mut []));
+        let row = row_of_mut(rest, width, 0);
+        let before = row_of(before, width, y.wrapping_sub(1));
+        // The table passes take as many labels a row as a row has pixels.
+        let first_label = u32::try_from(start).unwrap_or(u32::MAX).saturating_add(1);
+        let last_label = first_label.saturating_add(width as u32).saturating_sub(1).min(state.labels);
+        match state.stage {
+            Stage::Provisional => {
+                let samples = self.memory.samples.get(..width).unwrap_or(&[]);
+                let connectivity = self.config.connectivity;
+                let in_mask = |(cell, pixel): (&A::Cell, &f32)| A::level(*cell) > A::Real::ZERO && pixel.is_finite();
+                let mask = row.iter().zip(samples).map(in_mask).filter(|&inside| inside).count();
+                state.mask_pixels = state.mask_pixels.saturating_add(mask as u32);
+                let unlabelled = table
+                    .provisional_row::<A>(row, before, samples, connectivity, &mut state.labels)
+                    .map_err(LABELS)?;
+                state.unlabelled = state.unlabelled.saturating_add(unlabelled);
+            }
+            Stage::Resolve => {
+                for label in first_label..=last_label {
+                    table.resolve(label).map_err(LABELS)?;
+                }
+            }
+            Stage::Count => table.count_row(row).map_err(LABELS)?,
+            Stage::Number => {
+                for label in first_label..=last_label {
+                    table.number(label, self.config.min_area, &mut state.numbered).map_err(LABELS)?;
+                }
+            }
+            _ => {
+                table.final_row(row).map_err(LABELS)?;
+                measure_row(row, y, self.memory.samples, state.range.low, self.memory.sources);
+            }
+        }
+        Ok(())
+    }
+
+    fn sweep_image<K: Kernel<A, 3>>(&mut self, kernel: &mut K, end: usize) {
+        let rows = self.state.row..end;
+        let pixels = self.width.saturating_mul(self.height);
+        let image = self.memory.image.get_mut(..pixels).unwrap_or(&mut []);
+        advance::<A, K, 3>(kernel, image, &[], self.memory.ring, self.width, rows, Halo::NONE);
+    }
+
+    fn filter_rows(&mut self, end: usize) {
+        match self.config.filter {
+            Filter::None => {}
+            Filter::Heat => self.sweep_image(&mut Heat::<A>::new(&self.config), end),
+            Filter::PeronaMalik { diffusivity, mu } => {
+                self.sweep_image(&mut PeronaMalik::<A>::new(&self.config, diffusivity, mu), end);
+            }
+        }
+    }
+
+    fn evolve_rows(&mut self, end: usize) {
+        let pixels = self.width.saturating_mul(self.height);
+        let front = self.memory.front.get_mut(..pixels).unwrap_or(&mut []);
+        let speed = self.memory.image.get(..pixels).unwrap_or(&[]);
+        let rows = self.state.row..end;
+        let change = &mut self.state.change;
+        self.scheme.advance(front, speed, self.memory.ring, self.width, rows, Halo::NONE, change);
+    }
+
+    /// The last row of a pass is done: what follows from it, and the next pass.
+    fn end_pass(&mut self) -> Result<(), Error> {
+        let state = &mut self.state;
+        state.row = 0;
+        state.pass = state.pass.saturating_add(1);
+        match state.stage {
+            Stage::Extremes => {
+                if state.extremes.defined == 0 {
+                    return Err(Error::NothingDefined { pixels: self.width.saturating_mul(self.height) });
+                }
+                state.range = Range { low: state.extremes.least, high: state.extremes.greatest };
+            }
+            Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
+                let Some(value) = state.select.end_pass() else { return Ok(()) };
+                match state.stage {
+                    Stage::LowPercentile => state.range.low = value,
+                    Stage::HighPercentile => state.range.high = value,
+                    _ => state.fill = value,
+                }
+            }
+            Stage::Otsu => state.tau = state.histogram.otsu(),
+            Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),
+            Stage::Evolve => {
+                state.steps = state.pass;
+                state.last_change = self.rule.norm(&state.change);
+                let at_rest = self.rule.at_rest(&state.change);
+                state.change = Change::none(&self.rule);
+                if at_rest {
+                    state.reason = StopReason::Rest;
+                } else if state.steps < self.config.max_steps() {
+                    return Ok(());
+                }
+            }
+            _ => {}
+        }
+        self.begin_stage(self.stage_after(self.state.stage))
+    }
+
+    fn begin_stage(&mut self, stage: Stage) -> Result<(), Error> {
+        let state = &mut self.state;
+        (state.stage, state.pass) = (stage, 0);
+        let defined = state.extremes.defined;
+        match (stage, self.config.normalize) {
+            (Stage::LowPercentile, Normalize::Percentile { low, .. }) => {
+                state.select = Select::percentile(low, defined)
+            }
+            (Stage::HighPercentile, Normalize::Percentile { high, .. }) => {
+                state.select = Select::percentile(high, defined);
+            }
+            (Stage::Median, _) => state.select = Select::percentile(50.0, defined),
+            (Stage::Normalize, _) => {
+                if state.range.low >= state.range.high {
+                    return Err(Error::Constant { value: state.range.low });
+                }
+                state.fill = state.range.apply(state.fill, 0.0);
+            }
+            (Stage::Measure, _) => {
+                for (label, source) in (1..).zip(self.memory.sources.iter_mut()) {
+                    *source = Source::empty(label);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The stage after `stage`, without those that this configuration and image do not need.
+    fn stage_after(&self, stage: Stage) -> Stage {
+        let mut next = stage.following(self.config.order);
+        // No more than the four optional stages can follow each other.
+        for _ in 0..4 {
+            if self.needed(next) {
+                break;
+            }
+            next = next.following(self.config.order);
+        }
+        next
+    }
+
+    fn needed(&self, stage: Stage) -> bool {
+        match stage {
+            Stage::LowPercentile | Stage::HighPercentile => {
+                matches!(self.config.normalize, Normalize::Percentile { .. })
+            }
+            Stage::Median => (self.state.extremes.defined as usize) < self.width.saturating_mul(self.height),
+            Stage::Otsu => matches!(self.config.rescale, Rescale::R3 { tau: Tau::Otsu, .. }),
+            Stage::Rescale => self.config.rescale != Rescale::None,
+            Stage::Filter => self.config.filter != Filter::None && self.config.filter_steps > 0,
+            _ => true,
+        }
+    }
+
+    fn progress(&self) -> Progress {
+        let state = &self.state;
+        match state.stage {
+            Stage::Done => Progress::Done(self.outcome()),
+            stage => {
+                Progress::Working { stage, pass: state.pass, row: state.row as u32, last_change: state.last_change }
+            }
+        }
+    }
+
+    fn outcome(&self) -> Outcome {
+        let state = &self.state;
+        let per_dx = 0.5 / self.config.dx;
+        Outcome {
+            reason: state.reason,
+            steps: state.steps,
+            last_change: state.last_change,
+            extremes: state.extremes,
+            range: state.range,
+            tau: state.tau,
+            gradient: (state.gradient.least.to_f32() * per_dx, state.gradient.greatest.to_f32() * per_dx),
+            mask_pixels: state.mask_pixels,
+            sources: state.numbered,
+            catalogued: state.numbered.min(u32::try_from(self.memory.sources.len()).unwrap_or(u32::MAX)),
+            unlabelled: state.unlabelled,
+            work: state.work,
+        }
+    }
+
+    /// The image plane: W x H cells that hold what the stage under way makes of them.
+    pub fn image(&self) -> &[A::Cell] {
+        self.memory.image.get(..self.width.saturating_mul(self.height)).unwrap_or(&[])
+    }
+
+    /// The front plane: the front until the evolution ends, then labels.
+    pub fn front(&self) -> &[A::Cell] {
+        self.memory.front.get(..self.width.saturating_mul(self.height)).unwrap_or(&[])
+    }
+
+    /// The catalogue of a finished run: label, area, moments and fluxes of each source.
+    pub fn catalog(&self) -> &[Source] {
+        let done = self.state.stage == Stage::Done;
+        let count = if done { self.outcome().catalogued as usize } else { 0 };
+        self.memory.sources.get(..count).unwrap_or(&[])
+    }
+
+    /// The stage under way.
+    pub fn stage(&self) -> Stage {
+        self.state.stage
+    }
+
+    /// The front's unit: how many units of the front plane make 1 of the paper's `u0`.
+    pub fn unit(&self) -> f32 {
+        self.front.unit
+    }
+}
+
+/// What a damaged label table is called.
+const LABELS: fn(Damaged) -> &'static str = |_| "the label table";
+
+fn corrupted<E>(name: &'static str) -> Error<E> {
+    Error::Corrupted { name }
+}
+
+/// Adds a row of labelled pixels to their sources; sources beyond the catalogue are left out.
+fn measure_row<C: Cell>(labels: &[C], y: usize, pixels: &[f32], floor: f32, sources: &mut [Source]) {
+    for ((x, cell), &pixel) in (0u32..).zip(labels).zip(pixels) {
+        if let Some(source) = (cell.label() as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
+            source.add(x, y as u32, pixel, floor);
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! When the front has stopped (`critarr`).
+
+use crate::arithmetic::{Arithmetic, Real};
+use crate::config::{Config, Stop};
+
+/// What one step changed near the front. Parts of a step add up in any order to the same value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change<A: Arithmetic> {
+    /// Sum of `|v(n+1) - v(n)|` near the front, in [`Arithmetic::CHANGE_UNITS`].
+    pub sum: u64,
+    /// Pixels near the front that crossed zero; counted only for the rule per unit time.
+    pub crossings: u32,
+    near: Near<A>,
+}
+
+/// Which pixels are near the front, and whether crossings are wanted.
+#[derive(Clone, Copy, Debug)]
+struct Near<A: Arithmetic> {
+    limit: A::Real,
+    count_crossings: bool,
+}
+
+impl<A: Arithmetic> PartialEq for Near<A> {
+    fn eq(&self, other: &Self) -> bool {
+        self.limit == other.limit && self.count_crossings == other.count_crossings
+    }
+}
+
+impl<A: Arithmetic> Eq for Near<A> {}
+
+impl<A: Arithmetic> Change<A> {
+    /// Nothing yet, for the rule of a configuration.
+    pub fn none(rule: &StopRule<A>) -> Self {
+        let near = Near { limit: rule.near, count_crossings: rule.stop == Stop::Rate };
+        Change { sum: 0, crossings: 0, near }
+    }
+
+    /// Takes in a row (or a piece of one) before and after the step.
+    #[inline(always)]
+    pub fn observe(&mut self, old: &[A::Cell], new: &[A::Cell]) {
+        self.sum = self.sum.saturating_add(A::change(old, new, self.near.limit));
+        if self.near.count_crossings {
+            let crossed = old.iter().zip(new).filter(|&(&v, &w)| {
+                let v = A::level(v);
+                v.magnitude() <= self.near.limit && (v > A::Real::ZERO) != (A::level(w) > A::Real::ZERO)
+            });
+            self.crossings = self.crossings.saturating_add(crossed.count() as u32);
+        }
+    }
+
+    /// Adds what another part of the same step changed.
+    pub fn merge(&mut self, other: &Self) {
+        self.sum = self.sum.saturating_add(other.sum);
+        self.crossings = self.crossings.saturating_add(other.crossings);
+    }
+}
+
+/// A stopping rule with its constants in units of the front plane.
+#[derive(Clone, Copy, Debug)]
+pub struct StopRule<A: Arithmetic> {
+    stop: Stop,
+    near: A::Real,
+    /// The greatest sum of a front at rest.
+    rest: u64,
+    /// `dx^2` over the units of the sum: what makes the sum the paper's norm.
+    scale: f32,
+}
+
+impl<A: Arithmetic> StopRule<A> {
+    /// The rule of a configuration, for a front plane with `unit` units to the paper's one.
+    pub fn new(config: &Config, unit: f32) -> Self {
+        let scale = config.dx * config.dx / (unit * A::CHANGE_UNITS);
+        let eps = match config.stop {
+            Stop::Paper => config.eps,
+            Stop::Rate => config.eps * config.dt,
+        };
+        StopRule { stop: config.stop, near: A::Real::of(config.eps_front * unit), rest: (eps / scale) as u64, scale }
+    }
+
+    /// Whether a step that changed this much was the last.
+    pub fn at_rest(&self, change: &Change<A>) -> bool {
+        change.sum <= self.rest && (self.stop == Stop::Paper || change.crossings == 0)
+    }
+
+    /// The paper's norm of a change: `dx^2` times the sum.
+    pub fn norm(&self, change: &Change<A>) -> f32 {
+        change.sum as f32 * self.scale
+    }
+}

@@ -1,0 +1,148 @@
+//! One image through the core: memory, the poll loop, and what the outputs need.
+
+use crate::machine::Native;
+use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Real};
+use skyfront_core::catalog::Source;
+use skyfront_core::config::{Config, Scheme};
+use skyfront_core::error::Error;
+use skyfront_core::frame::SliceFrame;
+use skyfront_core::memory::{Memory, ring_cells};
+use skyfront_core::outcome::{Outcome, Progress};
+use skyfront_core::segmenter::Segmenter;
+use skyfront_core::stage::Stage;
+use std::time::{Duration, Instant};
+
+/// Planes as they stood after a step, row-major, for pictures and comparisons.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StagePlanes {
+    /// Step 1.
+    pub normalised: Vec<f32>,
+    /// Step 2; empty where nothing was rescaled.
+    pub rescaled: Vec<f32>,
+    /// Step 3; empty where nothing was filtered.
+    pub filtered: Vec<f32>,
+    /// Step 4.
+    pub edge: Vec<f32>,
+}
+
+/// A segmented image.
+#[derive(Clone, Debug)]
+pub struct Segmentation {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Labels, row-major, 0 = background.
+    pub labels: Vec<u32>,
+    /// The final front, in its unit.
+    pub front: Vec<f32>,
+    /// Planes of the steps, where they were asked for.
+    pub stages: Option<StagePlanes>,
+    /// The paper's norm of every step's change.
+    pub convergence: Vec<f32>,
+    /// The catalogue.
+    pub sources: Vec<Source>,
+    /// What the run found.
+    pub outcome: Outcome,
+    /// Wall time of each stage.
+    pub seconds: Vec<(Stage, Duration)>,
+}
+
+/// How a run is driven; changes nothing in its result.
+pub struct Drive<'a> {
+    /// Rows a poll.
+    pub slice: usize,
+    /// Whether to keep the planes of the steps.
+    pub keep_stages: bool,
+    /// Called after every poll.
+    pub watch: Option<&'a mut dyn FnMut(&Progress)>,
+}
+
+impl Default for Drive<'_> {
+    /// Whole passes, no stages kept, nobody watching.
+    fn default() -> Self {
+        Drive { slice: usize::MAX, keep_stages: false, watch: None }
+    }
+}
+
+/// Segments an image of `width` x `height` pixels, row-major, NaN = undefined, in f32.
+///
+/// # Errors
+/// What the core finds wrong with the configuration or the image.
+pub fn segment(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    height: usize,
+    drive: &mut Drive<'_>,
+) -> Result<Segmentation, Error> {
+    segment_in::<F32<Native>>(config, pixels, width, height, drive)
+}
+
+/// [`segment`] in any arithmetic.
+///
+/// # Errors
+/// As [`segment`].
+pub fn segment_in<A: Arithmetic>(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    height: usize,
+    drive: &mut Drive<'_>,
+) -> Result<Segmentation, Error> {
+    let count = width * height;
+    let mut image = vec![A::Cell::default(); count];
+    let mut front = vec![A::Cell::default(); count];
+    let mut ring = vec![A::Cell::default(); ring_cells(width, config.scheme == Scheme::SlCurvature)];
+    let mut samples = vec![0.0; width];
+    let mut sources = vec![Source::empty(0); (count / 4).max(1)];
+    let memory =
+        Memory { image: &mut image, front: &mut front, ring: &mut ring, samples: &mut samples, sources: &mut sources };
+    let mut segmenter = Segmenter::<A>::new(config, width, height, memory)?;
+    let mut stages = StagePlanes::default();
+    let (mut convergence, mut seconds, mut front_values) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut stage, mut started) = (segmenter.stage(), Instant::now());
+    let outcome = loop {
+        let progress = segmenter.poll(drive.slice, &mut SliceFrame(pixels))?;
+        if let Some(watch) = &mut drive.watch {
+            watch(&progress);
+        }
+        if let Progress::Working { stage: Stage::Evolve, row: 0, pass, last_change } = progress
+            && pass > 0
+        {
+            convergence.push(last_change);
+        }
+        if segmenter.stage() != stage {
+            seconds.push((stage, started.elapsed()));
+            let image = || segmenter.image().iter().map(|&cell| A::pixel(cell).to_f32()).collect::<Vec<_>>();
+            match stage {
+                Stage::Normalize if drive.keep_stages => stages.normalised = image(),
+                Stage::Rescale if drive.keep_stages => stages.rescaled = image(),
+                Stage::Filter if drive.keep_stages => stages.filtered = image(),
+                Stage::Edge if drive.keep_stages => stages.edge = image(),
+                Stage::Evolve => {
+                    front_values = segmenter.front().iter().map(|&cell| A::level(cell).to_f32()).collect();
+                }
+                _ => {}
+            }
+            (stage, started) = (segmenter.stage(), Instant::now());
+        }
+        if let Progress::Done(outcome) = progress {
+            break outcome;
+        }
+    };
+    convergence.push(outcome.last_change);
+    let labels = segmenter.front().iter().map(|cell| cell.label()).collect();
+    let catalogue = segmenter.catalog().to_vec();
+    Ok(Segmentation {
+        width,
+        height,
+        labels,
+        front: front_values,
+        stages: drive.keep_stages.then_some(stages),
+        convergence,
+        sources: catalogue,
+        outcome,
+        seconds,
+    })
+}

@@ -2,3 +2,5 @@
 
 pub mod machine;
 pub mod pipeline;
+pub mod read;
+pub mod write;

@@ -1,0 +1,97 @@
+//! From the bytes of a FITS file to the wanted image: walk over the HDUs, choose one, read it.
+
+use std::path::Path;
+
+use super::error::{Fault, ReadError};
+use super::hdu::{BLOCK, Hdu, Kind};
+use super::header::Header;
+use super::source::Source;
+use super::{HduChoice, Image, pixels};
+
+/// Reads the wanted HDU, or the first 2-D image.
+pub(super) fn read(mut source: Source, path: &Path, wanted: Option<&HduChoice>) -> Result<Image, ReadError> {
+    let mut seen = Vec::new();
+    let mut primary = Header::default();
+    let at = |hdu: Option<usize>| move |fault: Fault| ReadError { file: path.to_owned(), hdu, fault };
+    loop {
+        let number = seen.len();
+        let next = Hdu::next(&mut source, number).map_err(at((number > 0).then_some(number)))?;
+        let Some(hdu) = next else { return Err(at(None)(missing(&seen, wanted))) };
+        if is_wanted(&hdu, wanted) {
+            let image = read_hdu(&mut source, hdu).map_err(at(Some(number)))?;
+            let checksum = source.checksum().map_err(at(None))?;
+            return Ok(Image { primary, checksum, ..image });
+        }
+        skip(&mut source, &hdu).map_err(at(Some(number)))?;
+        seen.push((hdu.label(), hdu.words()));
+        if number == 0 {
+            primary = hdu.header;
+        }
+    }
+}
+
+fn is_wanted(hdu: &Hdu, wanted: Option<&HduChoice>) -> bool {
+    match (wanted, &hdu.kind) {
+        (Some(choice), _) => choice.matches(hdu),
+        (None, Kind::Array(shape)) => shape.plane().is_some(),
+        (None, Kind::Tiles(shape)) => shape.plane().is_some(),
+        (None, Kind::Other(_)) => false,
+    }
+}
+
+fn read_hdu(source: &mut Source, hdu: Hdu) -> Result<Image, Fault> {
+    let not_an_image = || Fault::NotTwoDimensional(hdu.words());
+    let (bitpix, plane, pixels) = match &hdu.kind {
+        Kind::Array(shape) => {
+            let plane = shape.plane().ok_or_else(not_an_image)?;
+            (shape.bitpix, plane, pixels::read(source, &hdu, shape.bitpix, plane)?)
+        }
+        Kind::Tiles(_) => return Err(Fault::Unsupported("tile compression".into())),
+        Kind::Other(_) => return Err(not_an_image()),
+    };
+    let warnings = undefined(&pixels, bitpix)?.into_iter().collect();
+    Ok(Image {
+        width: plane.0 as usize,
+        height: plane.1 as usize,
+        pixels,
+        hdu: hdu.number,
+        name: hdu.name(),
+        bitpix,
+        header: hdu.header,
+        primary: Header::default(),
+        checksum: 0,
+        warnings,
+    })
+}
+
+/// An image without any value: a broken one if its samples could hold values, an empty one if all are `BLANK`.
+fn undefined(pixels: &[f32], bitpix: i64) -> Result<Option<String>, Fault> {
+    if pixels.iter().any(|value| value.is_finite()) {
+        return Ok(None);
+    }
+    if bitpix < 0 { Err(Fault::NothingDefined) } else { Ok(Some("every pixel is BLANK".to_owned())) }
+}
+
+/// Passes over the data of an HDU; a file that ends there has no further HDU, which the caller will find.
+fn skip(source: &mut Source, hdu: &Hdu) -> Result<(), Fault> {
+    let padded = hdu.bytes.div_ceil(BLOCK.into()) * u128::from(BLOCK);
+    let present = source.at_most_left().unwrap_or(u64::MAX);
+    if u128::from(present) < hdu.bytes {
+        return Err(Fault::Truncated { promised: hdu.bytes, present });
+    }
+    source.skip(u64::try_from(padded).unwrap_or(u64::MAX)).map(|_| ())
+}
+
+/// Why nothing was found, with what there is instead.
+fn missing(seen: &[(String, String)], wanted: Option<&HduChoice>) -> Fault {
+    const SHOWN: usize = 24;
+    let mut list: Vec<String> = seen.iter().take(SHOWN).map(|(label, words)| format!("{label}: {words}")).collect();
+    if seen.len() > SHOWN {
+        list.push(format!("and {} more", seen.len() - SHOWN));
+    }
+    let present = list.join("; ");
+    match wanted {
+        Some(choice) => Fault::NoSuchHdu { wanted: choice.to_string(), present },
+        None => Fault::NoImage(present),
+    }
+}

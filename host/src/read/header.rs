@@ -1,0 +1,152 @@
+//! FITS header cards: 80 bytes each, `KEYWORD = value / comment` (FITS standard 4.0, section 4).
+
+/// Bytes in one header card.
+pub const CARD: usize = 80;
+
+/// The cards of one HDU, in file order, without `END`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Header {
+    cards: Vec<Card>,
+}
+
+/// One header card, kept as the bytes of the file so that a copy is exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Card(pub [u8; CARD]);
+
+impl Card {
+    /// A card with `text` at its start, cut or filled with blanks to 80 bytes.
+    pub fn new(text: &str) -> Self {
+        let mut bytes = [b' '; CARD];
+        bytes.iter_mut().zip(text.bytes()).for_each(|(to, from)| *to = from);
+        Self(bytes)
+    }
+
+    /// The keyword: the first eight bytes without trailing blanks (empty if they are not ASCII).
+    pub fn keyword(&self) -> &str {
+        let field = self.0.split_at(8).0;
+        str::from_utf8(field).unwrap_or_default().trim_end_matches(' ')
+    }
+
+    /// The value field with its comment, if the card has a value indicator.
+    fn field(&self) -> Option<&[u8]> {
+        let (_, rest) = self.0.split_at(8);
+        rest.strip_prefix(b"= ").or_else(|| rest.strip_prefix(b"=\0"))
+    }
+
+    /// The value as text: a string without its quotes and trailing blanks, or the bare token of any other value.
+    pub fn value(&self) -> Option<String> {
+        value_text(self.field()?)
+    }
+
+    /// The card as text, for messages and copies; bytes outside ASCII become `?`.
+    pub fn text(&self) -> String {
+        self.0.iter().map(|&b| if matches!(b, 0x20..=0x7e) { char::from(b) } else { '?' }).collect()
+    }
+}
+
+/// Text of a value field: what stands between the quotes, or the token before the comment.
+fn value_text(field: &[u8]) -> Option<String> {
+    let field = field.trim_ascii_start();
+    let bytes = match field.strip_prefix(b"'") {
+        Some(quoted) => unquote(quoted),
+        None => field.split(|&b| b == b'/').next()?.to_vec(),
+    };
+    let text = String::from_utf8_lossy(&bytes).trim_end_matches(['\0', ' ']).to_owned();
+    (!text.is_empty() || field.starts_with(b"'")).then_some(text)
+}
+
+/// The bytes up to the closing quote; a doubled quote stands for one.
+fn unquote(quoted: &[u8]) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut bytes = quoted.iter().copied().peekable();
+    while let Some(byte) = bytes.next() {
+        if byte == b'\'' && bytes.next_if_eq(&b'\'').is_none() {
+            break;
+        }
+        out.push(byte);
+    }
+    out
+}
+
+impl Header {
+    /// A header made of the given cards.
+    pub fn new(cards: Vec<Card>) -> Self {
+        Self { cards }
+    }
+
+    /// All cards in file order.
+    pub fn cards(&self) -> &[Card] {
+        &self.cards
+    }
+
+    /// The value of the first card with this keyword, long strings (`CONTINUE`) joined.
+    pub fn text(&self, keyword: &str) -> Option<String> {
+        let at = self.cards.iter().position(|card| card.keyword() == keyword && card.field().is_some())?;
+        let mut text = self.cards[at].value()?;
+        for card in self.cards[at + 1..].iter().take_while(|card| card.keyword() == "CONTINUE") {
+            if !text.ends_with('&') {
+                break;
+            }
+            text.pop();
+            text.push_str(&value_text(&card.0[8..]).unwrap_or_default());
+        }
+        Some(text)
+    }
+
+    /// The first card with this keyword as an integer; `None` if absent or not an integer.
+    pub fn integer(&self, keyword: &str) -> Option<i64> {
+        self.text(keyword)?.trim().parse().ok()
+    }
+
+    /// The first card with this keyword as a finite number; `None` if absent or not one.
+    pub fn real(&self, keyword: &str) -> Option<f64> {
+        let text = self.text(keyword)?.trim().replace(['d', 'D'], "E");
+        text.parse().ok().filter(|value: &f64| value.is_finite())
+    }
+
+    /// Whether the first card with this keyword says true (`T`).
+    pub fn flag(&self, keyword: &str) -> bool {
+        self.text(keyword).is_some_and(|text| text == "T")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(cards: &[&str]) -> Header {
+        Header::new(cards.iter().map(|text| Card::new(text)).collect())
+    }
+
+    #[test]
+    fn values_of_every_kind_are_read() {
+        let header = header(&[
+            "SIMPLE  =                    T / yes",
+            "NAXIS1  =                   96",
+            "NAXIS1  =                   97 / the first counts",
+            "GAIN    =               1.5D+1 / with the exponent letter of Fortran",
+            "OBJECT  = 'O''Neill / M13 '    / quote and slash inside",
+            "EMPTY   = ''",
+            "HUGE    = 99999999999999999999",
+        ]);
+        assert!(header.flag("SIMPLE"));
+        assert_eq!(header.integer("NAXIS1"), Some(96));
+        assert_eq!(header.real("GAIN"), Some(15.0));
+        assert_eq!(header.text("OBJECT").as_deref(), Some("O'Neill / M13"));
+        assert_eq!(header.text("EMPTY").as_deref(), Some(""));
+        assert_eq!(header.integer("HUGE"), None);
+        assert_eq!(header.text("ABSENT"), None);
+    }
+
+    #[test]
+    fn a_continued_string_is_joined() {
+        let header = header(&["LONG    = 'one &'", "CONTINUE  'two &' / note", "CONTINUE  'three'"]);
+        assert_eq!(header.text("LONG").as_deref(), Some("one two three"));
+    }
+
+    #[test]
+    fn a_comment_card_has_no_value() {
+        assert_eq!(Card::new("COMMENT = 5").value().as_deref(), Some("5"));
+        assert_eq!(Card::new("COMMENT   5").value(), None);
+    }
+}

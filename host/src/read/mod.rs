@@ -1,0 +1,66 @@
+//! Reading images: FITS in all its varieties, PGM and PNG, told apart by their first bytes.
+//!
+//! One call, [`image`], gives the pixels as row-major `f32` with the first FITS row as row 0 (the bottom of the
+//! picture), undefined pixels as NaN, and the header for what else is to be known. File names are taken literally:
+//! brackets and plus signs have no meaning. Whole-file gzip and bzip2 are undone on the way.
+
+mod choice;
+mod error;
+mod fits;
+mod hdu;
+pub mod header;
+mod pixels;
+mod source;
+
+use std::path::Path;
+
+pub use choice::HduChoice;
+pub use error::{Fault, ReadError};
+pub use header::{Card, Header};
+
+use source::Source;
+
+/// A two-dimensional image with what its file says about it.
+#[derive(Clone, Debug)]
+pub struct Image {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `width * height` values, row-major, first FITS row first. NaN = undefined (NaN, `BLANK`); infinities are kept.
+    pub pixels: Vec<f32>,
+    /// Header of the image's HDU (empty for PGM and PNG).
+    pub header: Header,
+    /// Header of the primary HDU where the image is in an extension; otherwise empty.
+    pub primary: Header,
+    /// Number of the HDU, 0 = primary.
+    pub hdu: usize,
+    /// `EXTNAME` of the HDU.
+    pub name: Option<String>,
+    /// Sample type as stored: 8, 16, 32, 64, -32 or -64.
+    pub bitpix: i64,
+    /// CRC-32 (IEEE) of the file's bytes as they lie on the disk.
+    pub checksum: u32,
+    /// What a user should know about how the file was read.
+    pub warnings: Vec<String>,
+}
+
+impl Image {
+    /// A number from the image's header or, failing that, from the primary header (`EXPTIME`, `GAIN`, ...).
+    pub fn real(&self, keyword: &str) -> Option<f64> {
+        self.header.real(keyword).or_else(|| self.primary.real(keyword))
+    }
+}
+
+/// Reads one image from a file.
+///
+/// Without a choice the first HDU with a 2-D image is taken (trailing axes of length 1 do not count, tables and 1-D
+/// data are passed over). One pass over the file; memory is 4 bytes a pixel, reserved only after the size that the
+/// header claims has been checked against the file.
+///
+/// # Errors
+/// [`ReadError`] with the file, the HDU and the reason in one line.
+pub fn image(path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
+    let source = Source::open(path).map_err(|fault| fault.in_file(path))?;
+    fits::read(source, path, hdu)
+}

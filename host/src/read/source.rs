@@ -1,0 +1,157 @@
+//! The bytes of an input file, decompressed on the way if it is gzip or bzip2, with a checksum of the file itself.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::path::Path;
+
+use bzip2::bufread::BzDecoder;
+use flate2::bufread::GzDecoder;
+
+use super::error::Fault;
+
+/// Read-ahead on the file; large enough for the disk, small beside any image.
+const BUFFER: usize = 1 << 18;
+/// The first bytes of a gzip member.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// Deflate cannot expand a byte to more than this many (zlib's technical notes).
+const DEFLATE_RATIO: u64 = 1032;
+
+/// A file open for one pass from its first byte to its last.
+pub(super) struct Source {
+    stream: Stream,
+    position: u64,
+    limit: Option<u64>,
+}
+
+enum Stream {
+    Plain(BufReader<Summed>),
+    Gzip(Box<GzDecoder<BufReader<Summed>>>),
+    Bzip2(BzDecoder<BufReader<Summed>>),
+}
+
+/// The file below everything else: every byte read from it goes into the checksum.
+struct Summed {
+    file: File,
+    crc: crc32fast::Hasher,
+}
+
+impl Read for Summed {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.crc.update(&buffer[..count]);
+        Ok(count)
+    }
+}
+
+impl Source {
+    /// Opens a file by its name, which is taken literally, and looks at its first bytes for gzip and bzip2.
+    pub(super) fn open(path: &Path) -> Result<Self, Fault> {
+        let file = File::open(path)?;
+        let about = file.metadata()?;
+        if about.is_dir() {
+            return Err(Fault::Directory);
+        }
+        let length = about.is_file().then_some(about.len());
+        let mut raw = BufReader::with_capacity(BUFFER, Summed { file, crc: crc32fast::Hasher::new() });
+        let head = raw.fill_buf()?;
+        let (stream, limit) = if head.starts_with(&GZIP) {
+            let limit = length.map(|bytes| bytes.saturating_mul(DEFLATE_RATIO));
+            (Stream::Gzip(Box::new(GzDecoder::new(raw))), limit)
+        } else if head.starts_with(b"BZh") {
+            (Stream::Bzip2(BzDecoder::new(raw)), None)
+        } else if let Some(name) = foreign_compression(head) {
+            return Err(Fault::Wrapping(format!("is compressed with {name}, which is not read here")));
+        } else {
+            (Stream::Plain(raw), length)
+        };
+        Ok(Self { stream, position: 0, limit })
+    }
+
+    /// The most bytes that can still follow, if that is known before reading them.
+    pub(super) fn at_most_left(&self) -> Option<u64> {
+        self.limit.map(|limit| limit.saturating_sub(self.position))
+    }
+
+    /// Fills as much of `buffer` as the stream still holds and returns how much that is.
+    pub(super) fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, Fault> {
+        let mut filled = 0;
+        while filled < buffer.len() {
+            match self.read(&mut buffer[filled..]) {
+                Ok(0) => {
+                    self.refuse_second_member()?;
+                    break;
+                }
+                Ok(count) => filled += count,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(self.broken(error)),
+            }
+        }
+        Ok(filled)
+    }
+
+    /// Passes over `count` bytes and returns how many of them there were.
+    pub(super) fn skip(&mut self, count: u64) -> Result<u64, Fault> {
+        let skipped = std::io::copy(&mut Read::take(&mut *self, count), &mut std::io::sink());
+        skipped.map_err(|error| self.broken(error))
+    }
+
+    /// Reads the rest of the file and returns the CRC-32 (IEEE) of its bytes as they lie on the disk.
+    pub(super) fn checksum(mut self) -> Result<u32, Fault> {
+        self.skip(u64::MAX)?;
+        self.refuse_second_member()?;
+        let raw = self.raw();
+        std::io::copy(raw, &mut std::io::sink())?;
+        Ok(raw.get_ref().crc.clone().finalize())
+    }
+
+    /// Files made of several gzip members are legal but rare, and FITS software disagrees about them: none is better
+    /// than the first one alone, taken for the whole.
+    fn refuse_second_member(&mut self) -> Result<(), Fault> {
+        let gzip = matches!(self.stream, Stream::Gzip(_));
+        if gzip && self.raw().fill_buf()?.starts_with(&GZIP) {
+            return Err(Fault::Wrapping("holds more than one gzip member".into()));
+        }
+        Ok(())
+    }
+
+    /// The file below the decompressor.
+    fn raw(&mut self) -> &mut BufReader<Summed> {
+        match &mut self.stream {
+            Stream::Plain(raw) => raw,
+            Stream::Gzip(decoder) => decoder.get_mut(),
+            Stream::Bzip2(decoder) => decoder.get_mut(),
+        }
+    }
+
+    /// A read error told as what it means for this kind of file.
+    fn broken(&self, error: std::io::Error) -> Fault {
+        match self.stream {
+            Stream::Plain(_) => Fault::Io(error),
+            Stream::Gzip(_) => Fault::Wrapping(format!("broken gzip stream ({error})")),
+            Stream::Bzip2(_) => Fault::Wrapping(format!("broken bzip2 stream ({error})")),
+        }
+    }
+}
+
+impl Read for Source {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = match &mut self.stream {
+            Stream::Plain(raw) => raw.read(buffer),
+            Stream::Gzip(decoder) => decoder.read(buffer),
+            Stream::Bzip2(decoder) => decoder.read(buffer),
+        }?;
+        self.position += count as u64;
+        Ok(count)
+    }
+}
+
+/// Compressions that occur around FITS files and are refused by name.
+fn foreign_compression(head: &[u8]) -> Option<&'static str> {
+    const MAGIC: [(&[u8], &str); 4] = [
+        (&[0x1f, 0x9d], "Unix compress"),
+        (&[0xfd, b'7', b'z', b'X', b'Z'], "xz"),
+        (&[0x28, 0xb5, 0x2f, 0xfd], "zstd"),
+        (b"PK\x03\x04", "zip"),
+    ];
+    MAGIC.iter().find(|(magic, _)| head.starts_with(magic)).map(|(_, name)| *name)
+}

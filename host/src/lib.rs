@@ -1,6 +1,12 @@
 //! The host side of Skyfront: files in, the core at work, files and pictures out.
 
+pub mod catalogue;
+pub mod cli;
 pub mod machine;
+pub mod outputs;
+pub mod picture;
 pub mod pipeline;
+pub mod provenance;
 pub mod read;
+pub mod summary;
 pub mod write;

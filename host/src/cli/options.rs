@@ -1,0 +1,355 @@
+//! The options of a run, each with the paper's value as its default, and what they amount to.
+
+use clap::{Args, ValueEnum};
+use skyfront_core::config::{
+    Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Stop, Tau,
+};
+
+/// What a run does; unset options take the preset's value.
+#[derive(Clone, Debug, Default, Args)]
+pub struct Options {
+    /// Settings to start from.
+    #[arg(long, value_enum, default_value_t)]
+    pub preset: Preset,
+
+    /// How pixel values become 0 to 1: by least and greatest, or by percentiles.
+    #[arg(long, value_enum, help_heading = "Rescaling")]
+    pub normalize: Option<NormalizeOption>,
+    /// Percentiles that become 0 and 1 [default: 0.5,99.9].
+    #[arg(long, value_name = "LO,HI", value_parser = pair, help_heading = "Rescaling")]
+    pub range: Option<(f64, f64)>,
+    /// Rescaling of intensities.
+    #[arg(long, value_enum, help_heading = "Rescaling")]
+    pub rescale: Option<RescaleOption>,
+    /// Exponent of r1 and r2, in (0, 1) [default: 0.25].
+    #[arg(long, help_heading = "Rescaling")]
+    pub alpha: Option<f64>,
+    /// Exponent of r3: 1, 2, 3, ... [default: 8].
+    #[arg(long, help_heading = "Rescaling")]
+    pub beta: Option<u16>,
+    /// Threshold of r3: otsu, or a value in (0, 1) on the scale of the normalised image.
+    #[arg(long, value_parser = tau, help_heading = "Rescaling")]
+    pub tau: Option<TauOption>,
+
+    /// Filter.
+    #[arg(long, value_enum, help_heading = "Filter")]
+    pub filter: Option<FilterOption>,
+    /// Steps of the filter [default: 5 for heat, 15 for pm].
+    #[arg(long, help_heading = "Filter")]
+    pub filter_steps: Option<u16>,
+    /// Time step of the filter, at most dx^2/4.
+    #[arg(long, help_heading = "Filter")]
+    pub filter_dt: Option<f64>,
+    /// Diffusion coefficient of Perona-Malik: f1 = 1/(1+s^2), f2 = exp(-s^2).
+    #[arg(long, value_enum, help_heading = "Filter")]
+    pub pm: Option<PmOption>,
+    /// Gradient at which Perona-Malik stops diffusing, in image units (0 to 1) per dx. The
+    /// paper's 30 is nearly the heat filter; 2 keeps edges [default: 30].
+    #[arg(long, help_heading = "Filter")]
+    pub mu: Option<f64>,
+    /// Whether to rescale or to filter first.
+    #[arg(long, value_enum, help_heading = "Filter")]
+    pub order: Option<OrderOption>,
+
+    /// Edge detector.
+    #[arg(long, value_enum, help_heading = "Front")]
+    pub edge: Option<EdgeOption>,
+    /// Exponent of g1, at least 1 [default: 5000].
+    #[arg(long, help_heading = "Front")]
+    pub p: Option<f64>,
+    /// Constant of g2mod, in [0, 1) [default: 0.8].
+    #[arg(long, help_heading = "Front")]
+    pub c2: Option<f64>,
+    /// Scheme that moves the front.
+    #[arg(long, value_enum, help_heading = "Front")]
+    pub scheme: Option<SchemeOption>,
+    /// Weight of the curvature [default: 1e-4].
+    #[arg(long, help_heading = "Front")]
+    pub nu: Option<f64>,
+    /// Form of the curvature averages: consistent, or as printed in the paper (never settles).
+    #[arg(long, value_enum, help_heading = "Front")]
+    pub curvature_form: Option<CurvatureFormOption>,
+    /// Directions of the semi-Lagrangian minimum: 16 or 64 [default: 16].
+    #[arg(long, help_heading = "Front")]
+    pub directions: Option<u8>,
+    /// Width of a pixel in the paper's unit [default: 0.1].
+    #[arg(long, help_heading = "Front")]
+    pub dx: Option<f64>,
+    /// Time step [default: dx/4 for fd, dx^2 for fd-curvature, dx for sl and sl-curvature].
+    #[arg(long, help_heading = "Front")]
+    pub dt: Option<f64>,
+    /// The front is given up at this time [default: 50].
+    #[arg(long, help_heading = "Front")]
+    pub t_max: Option<f64>,
+    /// Pixels with |u| up to here count as near the front [default: 0.1].
+    #[arg(long, help_heading = "Front")]
+    pub eps_front: Option<f64>,
+    /// Tolerance of the stopping rule [default: 1e-3].
+    #[arg(long, help_heading = "Front")]
+    pub eps: Option<f64>,
+    /// Stopping rule: the paper's, or per unit of time and without pixels that change sign.
+    #[arg(long, value_enum, help_heading = "Front")]
+    pub stop: Option<StopOption>,
+
+    /// Which pixels of a source touch: 4 (edges) or 8 (corners too) [default: 8].
+    #[arg(long, value_parser = ["4", "8"], help_heading = "Sources")]
+    pub connectivity: Option<String>,
+    /// Smaller sources are dropped, pixels [default: 1].
+    #[arg(long, help_heading = "Sources")]
+    pub min_area: Option<u32>,
+}
+
+/// Named settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// Test 1 of the paper at its best: r3 with beta 8, heat filter, g2mod with c2 = 0.8.
+    #[default]
+    PaperF160,
+    /// Test 2 of the paper at its best: Perona-Malik first, then r1, g2mod with c2 = 0.78.
+    PaperReal,
+}
+
+impl Preset {
+    /// Its settings.
+    pub fn config(self) -> Config {
+        match self {
+            Preset::PaperF160 => Config::PAPER_F160,
+            Preset::PaperReal => Config::PAPER_REAL,
+        }
+    }
+}
+
+/// `--normalize`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum NormalizeOption {
+    Minmax,
+    Percentile,
+}
+
+/// `--rescale`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum RescaleOption {
+    None,
+    R1,
+    R2,
+    R3,
+}
+
+/// `--tau`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TauOption {
+    /// By Otsu's method.
+    Otsu,
+    /// A given value.
+    Value(f64),
+}
+
+/// `--filter`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum FilterOption {
+    None,
+    Heat,
+    Pm,
+}
+
+/// `--pm`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum PmOption {
+    F1,
+    F2,
+}
+
+/// `--order`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum OrderOption {
+    RescaleFirst,
+    FilterFirst,
+}
+
+/// `--edge`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum EdgeOption {
+    G1,
+    G2,
+    #[value(name = "g2mod")]
+    G2Mod,
+}
+
+/// `--scheme`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum SchemeOption {
+    Fd,
+    Sl,
+    FdCurvature,
+    SlCurvature,
+}
+
+/// `--curvature-form`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum CurvatureFormOption {
+    Consistent,
+    Printed,
+}
+
+/// `--stop`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[allow(missing_docs, reason = "the names are the documentation")]
+pub enum StopOption {
+    Paper,
+    Rate,
+}
+
+fn pair(text: &str) -> Result<(f64, f64), String> {
+    let (low, high) = text.split_once(',').ok_or("two numbers with a comma between them are wanted")?;
+    let number = |text: &str| text.trim().parse().map_err(|_| format!("'{text}' is not a number"));
+    Ok((number(low)?, number(high)?))
+}
+
+fn tau(text: &str) -> Result<TauOption, String> {
+    match text {
+        "otsu" => Ok(TauOption::Otsu),
+        _ => text.parse().map(TauOption::Value).map_err(|_| format!("'{text}' is neither otsu nor a number")),
+    }
+}
+
+impl Options {
+    /// The configuration that the preset and the options amount to; not validated.
+    pub fn config(&self) -> Config {
+        let preset = self.preset.config();
+        let scheme = self.scheme.map_or(preset.scheme, |scheme| match scheme {
+            SchemeOption::Fd => Scheme::Fd,
+            SchemeOption::Sl => Scheme::Sl,
+            SchemeOption::FdCurvature => Scheme::FdCurvature,
+            SchemeOption::SlCurvature => Scheme::SlCurvature,
+        });
+        let dx = real(self.dx, preset.dx);
+        let filter = self.filter(&preset);
+        let steps = match (self.filter, filter) {
+            (None, _) => preset.filter_steps,
+            (_, Filter::PeronaMalik { .. }) => Config::PAPER_REAL.filter_steps,
+            _ => Config::PAPER_F160.filter_steps,
+        };
+        Config {
+            normalize: self.normalize(&preset),
+            rescale: self.rescale(&preset),
+            filter,
+            filter_steps: self.filter_steps.unwrap_or(steps),
+            filter_dt: real(self.filter_dt, preset.filter_dt),
+            order: self.order.map_or(preset.order, |order| match order {
+                OrderOption::RescaleFirst => Order::RescaleFirst,
+                OrderOption::FilterFirst => Order::FilterFirst,
+            }),
+            edge: self.edge(&preset),
+            scheme,
+            nu: real(self.nu, preset.nu),
+            curvature_form: self.curvature_form.map_or(preset.curvature_form, |form| match form {
+                CurvatureFormOption::Consistent => CurvatureForm::Consistent,
+                CurvatureFormOption::Printed => CurvatureForm::Printed,
+            }),
+            directions: self.directions.unwrap_or(preset.directions),
+            dx,
+            dt: real(self.dt, Config::paper_dt(scheme, dx)),
+            t_max: real(self.t_max, preset.t_max),
+            eps_front: real(self.eps_front, preset.eps_front),
+            eps: real(self.eps, preset.eps),
+            stop: self.stop.map_or(preset.stop, |stop| match stop {
+                StopOption::Paper => Stop::Paper,
+                StopOption::Rate => Stop::Rate,
+            }),
+            connectivity: match self.connectivity.as_deref() {
+                Some("4") => Connectivity::Four,
+                Some(_) => Connectivity::Eight,
+                None => preset.connectivity,
+            },
+            min_area: self.min_area.unwrap_or(preset.min_area),
+            ..preset
+        }
+    }
+
+    fn normalize(&self, preset: &Config) -> Normalize {
+        let (low, high) = match preset.normalize {
+            Normalize::Percentile { low, high } => (low, high),
+            Normalize::MinMax => (0.5, 99.9),
+        };
+        let (low, high) = self.range.map_or((low, high), |(low, high)| (low as f32, high as f32));
+        match self.normalize {
+            Some(NormalizeOption::Minmax) => Normalize::MinMax,
+            Some(NormalizeOption::Percentile) => Normalize::Percentile { low, high },
+            None if self.range.is_some() => Normalize::Percentile { low, high },
+            None => preset.normalize,
+        }
+    }
+
+    fn rescale(&self, preset: &Config) -> Rescale {
+        let (alpha, beta, tau) = match preset.rescale {
+            Rescale::R1 { alpha } | Rescale::R2 { alpha } => (alpha, 8, Tau::Otsu),
+            Rescale::R3 { beta, tau } => (0.25, beta, tau),
+            Rescale::None => (0.25, 8, Tau::Otsu),
+        };
+        let alpha = real(self.alpha, alpha);
+        let beta = self.beta.unwrap_or(beta);
+        let tau = self.tau.map_or(tau, |tau| match tau {
+            TauOption::Otsu => Tau::Otsu,
+            TauOption::Value(value) => Tau::Value(value as f32),
+        });
+        let wanted = self.rescale.unwrap_or(match preset.rescale {
+            Rescale::None => RescaleOption::None,
+            Rescale::R1 { .. } => RescaleOption::R1,
+            Rescale::R2 { .. } => RescaleOption::R2,
+            Rescale::R3 { .. } => RescaleOption::R3,
+        });
+        match wanted {
+            RescaleOption::None => Rescale::None,
+            RescaleOption::R1 => Rescale::R1 { alpha },
+            RescaleOption::R2 => Rescale::R2 { alpha },
+            RescaleOption::R3 => Rescale::R3 { beta, tau },
+        }
+    }
+
+    fn filter(&self, preset: &Config) -> Filter {
+        let (diffusivity, mu) = match preset.filter {
+            Filter::PeronaMalik { diffusivity, mu } => (diffusivity, mu),
+            _ => (Diffusivity::F2, 30.0),
+        };
+        let diffusivity = self.pm.map_or(diffusivity, |pm| match pm {
+            PmOption::F1 => Diffusivity::F1,
+            PmOption::F2 => Diffusivity::F2,
+        });
+        match self.filter {
+            Some(FilterOption::None) => Filter::None,
+            Some(FilterOption::Heat) => Filter::Heat,
+            Some(FilterOption::Pm) => Filter::PeronaMalik { diffusivity, mu: real(self.mu, mu) },
+            None => match preset.filter {
+                Filter::PeronaMalik { .. } => Filter::PeronaMalik { diffusivity, mu: real(self.mu, mu) },
+                other => other,
+            },
+        }
+    }
+
+    fn edge(&self, preset: &Config) -> Edge {
+        let (p, c2) = match preset.edge {
+            Edge::G1 { p } => (p, 0.8),
+            Edge::G2 => (5000.0, 0.8),
+            Edge::G2Mod { c2 } => (5000.0, c2),
+        };
+        let (p, c2) = (real(self.p, p), real(self.c2, c2));
+        match (self.edge, preset.edge) {
+            (Some(EdgeOption::G1), _) | (None, Edge::G1 { .. }) => Edge::G1 { p },
+            (Some(EdgeOption::G2), _) | (None, Edge::G2) => Edge::G2,
+            (Some(EdgeOption::G2Mod), _) | (None, Edge::G2Mod { .. }) => Edge::G2Mod { c2 },
+        }
+    }
+}
+
+/// An option's value, or the preset's.
+fn real(option: Option<f64>, preset: f32) -> f32 {
+    option.map_or(preset, |value| value as f32)
+}

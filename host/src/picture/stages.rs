@@ -1,0 +1,69 @@
+//! The steps of a run side by side: normalised, rescaled, filtered, edge detector, front, segments.
+
+use super::canvas::TextSize;
+use super::outline::{Panel, Zoom};
+use super::{Canvas, Colour, PALETTE, Stretch};
+use crate::pipeline::{Segmentation, StagePlanes};
+
+/// The longer side of one panel, about.
+const SIDE: usize = 400;
+/// Between panels.
+const GAP: usize = 8;
+/// Panels in a row.
+const COLUMNS: usize = 3;
+
+/// Draws the stages of a run that kept its planes.
+pub fn stages(run: &Segmentation, planes: &StagePlanes) -> Canvas {
+    let zoom = Zoom::towards(run.width, run.height, SIDE);
+    let (_, line) = TextSize::Large.cell();
+    let (wide, high) = (zoom.length(run.width), zoom.length(run.height));
+    let cell = ((wide + GAP).max(180), high + line + GAP);
+    let mut canvas = Canvas::new(COLUMNS * cell.0 + GAP, 2 * cell.1 + GAP);
+    for (index, caption) in
+        ["normalised", "rescaled", "filtered", "edge detector", "front", "segments"].into_iter().enumerate()
+    {
+        let (left, top) = (GAP + index % COLUMNS * cell.0, GAP + index / COLUMNS * cell.1);
+        let panel = Panel { left, top: top + line, width: run.width, height: run.height, zoom };
+        let drawn = draw(&mut canvas, &panel, run, planes, index);
+        let caption = if drawn { caption.to_owned() } else { format!("{caption}: none") };
+        canvas.text(left, top, &caption, TextSize::Large, [255; 3]);
+    }
+    canvas
+}
+
+/// Draws one panel; whether there was anything to draw.
+fn draw(canvas: &mut Canvas, panel: &Panel, run: &Segmentation, planes: &StagePlanes, index: usize) -> bool {
+    let unit = Stretch::linear(0.0, 1.0);
+    let mut grey = |plane: &[f32]| {
+        if !plane.is_empty() {
+            panel.draw(canvas, |pixel| [unit.shade(plane[pixel]); 3]);
+        }
+        !plane.is_empty()
+    };
+    match index {
+        0 => grey(&planes.normalised),
+        1 => grey(&planes.rescaled),
+        2 => grey(&planes.filtered),
+        3 => grey(&planes.edge),
+        4 => {
+            let most = run.front.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+            panel.draw(canvas, |pixel| level_colour(run.front[pixel], most));
+            let inside: Vec<u32> = run.front.iter().map(|&u| u32::from(u > 0.0)).collect();
+            panel.outline(canvas, &inside);
+            true
+        }
+        _ => {
+            panel.draw(canvas, |pixel| match run.labels[pixel] {
+                0 => [0; 3],
+                label => PALETTE[label as usize % PALETTE.len()],
+            });
+            true
+        }
+    }
+}
+
+/// Blue where the front has passed (u < 0), white where objects are (u > 0), darker near zero.
+fn level_colour(u: f32, most: f32) -> Colour {
+    let strength = 60.0 + 160.0 * (u.abs() / most.max(f32::MIN_POSITIVE));
+    if u > 0.0 { [strength as u8; 3] } else { [0, (strength * 0.45) as u8, strength as u8] }
+}

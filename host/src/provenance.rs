@@ -1,0 +1,125 @@
+//! What a result must tell about its making: every effective parameter, by name and FITS keyword.
+
+use crate::write::{Entry, Value};
+use skyfront_core::config::{
+    Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau,
+};
+
+/// One parameter of a run.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Keyword in FITS headers.
+    pub keyword: &'static str,
+    /// Name as on the command line.
+    pub name: &'static str,
+    /// Value.
+    pub value: Value,
+}
+
+/// The number that a person would have typed for this `f32`.
+pub fn shortest(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
+/// All parameters that have an effect in this configuration, in the order of the pipeline.
+pub fn parameters(config: &Config) -> Vec<Parameter> {
+    let mut list = Vec::new();
+    let mut add = |keyword, name, value: Value| list.push(Parameter { keyword, name, value });
+    match config.normalize {
+        Normalize::MinMax => add("SFNORM", "normalize", "minmax".into()),
+        Normalize::Percentile { low, high } => {
+            add("SFNORM", "normalize", "percentile".into());
+            add("SFRANGE", "range", format!("{low},{high}").into());
+        }
+    }
+    match config.rescale {
+        Rescale::None => add("SFRESC", "rescale", "none".into()),
+        Rescale::R1 { alpha } => {
+            add("SFRESC", "rescale", "r1".into());
+            add("SFALPHA", "alpha", shortest(alpha).into());
+        }
+        Rescale::R2 { alpha } => {
+            add("SFRESC", "rescale", "r2".into());
+            add("SFALPHA", "alpha", shortest(alpha).into());
+        }
+        Rescale::R3 { beta, tau } => {
+            add("SFRESC", "rescale", "r3".into());
+            add("SFBETA", "beta", i64::from(beta).into());
+            match tau {
+                Tau::Otsu => add("SFTAU", "tau", "otsu".into()),
+                Tau::Value(value) => add("SFTAU", "tau", shortest(value).into()),
+            }
+        }
+    }
+    add("SFORDER", "order", if config.order == Order::FilterFirst { "filter-first" } else { "rescale-first" }.into());
+    match config.filter {
+        Filter::None => add("SFFILTER", "filter", "none".into()),
+        Filter::Heat => add("SFFILTER", "filter", "heat".into()),
+        Filter::PeronaMalik { diffusivity, mu } => {
+            add("SFFILTER", "filter", "pm".into());
+            add("SFPM", "pm", if diffusivity == Diffusivity::F1 { "f1" } else { "f2" }.into());
+            add("SFMU", "mu", shortest(mu).into());
+        }
+    }
+    if config.filter != Filter::None {
+        add("SFFSTEPS", "filter_steps", i64::from(config.filter_steps).into());
+        add("SFFDT", "filter_dt", shortest(config.filter_dt).into());
+    }
+    match config.edge {
+        Edge::G1 { p } => {
+            add("SFEDGE", "edge", "g1".into());
+            add("SFP", "p", shortest(p).into());
+        }
+        Edge::G2 => add("SFEDGE", "edge", "g2".into()),
+        Edge::G2Mod { c2 } => {
+            add("SFEDGE", "edge", "g2mod".into());
+            add("SFC2", "c2", shortest(c2).into());
+        }
+    }
+    add("SFSCHEME", "scheme", scheme_name(config.scheme).into());
+    if matches!(config.scheme, Scheme::FdCurvature | Scheme::SlCurvature) {
+        let printed = config.curvature_form == CurvatureForm::Printed;
+        add("SFNU", "nu", shortest(config.nu).into());
+        add("SFCURV", "curvature_form", if printed { "printed" } else { "consistent" }.into());
+    }
+    if matches!(config.scheme, Scheme::Sl | Scheme::SlCurvature) {
+        add("SFDIRS", "directions", i64::from(config.directions).into());
+    }
+    add("SFSTART", "start", if config.start == Start::Given { "given" } else { "frame" }.into());
+    match config.band {
+        None => add("SFBAND", "band", "none".into()),
+        Some(band) => add("SFBAND", "band", shortest(band).into()),
+    }
+    add("SFDX", "dx", shortest(config.dx).into());
+    add("SFDT", "dt", shortest(config.dt).into());
+    add("SFTMAX", "t_max", shortest(config.t_max).into());
+    add("SFEPSF", "eps_front", shortest(config.eps_front).into());
+    add("SFEPS", "eps", shortest(config.eps).into());
+    add("SFSTOP", "stop", if config.stop == Stop::Rate { "rate" } else { "paper" }.into());
+    add("SFCONN", "connectivity", if config.connectivity == Connectivity::Four { 4i64 } else { 8 }.into());
+    add("SFMINAR", "min_area", i64::from(config.min_area).into());
+    list
+}
+
+/// The name of a scheme on the command line.
+pub fn scheme_name(scheme: Scheme) -> &'static str {
+    match scheme {
+        Scheme::Fd => "fd",
+        Scheme::Sl => "sl",
+        Scheme::FdCurvature => "fd-curvature",
+        Scheme::SlCurvature => "sl-curvature",
+    }
+}
+
+/// The header entries of a product: program, input and every parameter.
+pub fn entries(config: &Config, input: &str, checksum: u32) -> Vec<Entry> {
+    let mut entries = vec![
+        Entry::new("CREATOR", concat!("skyfront ", env!("CARGO_PKG_VERSION")), "program that made this file"),
+        Entry::new("SFINPUT", input, "file that was segmented"),
+        Entry::new("SFCRC", format!("{checksum:08x}"), "CRC-32 of that file"),
+    ];
+    for parameter in parameters(config) {
+        entries.push(Entry::new(parameter.keyword, parameter.value, parameter.name));
+    }
+    entries
+}

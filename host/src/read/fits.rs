@@ -6,7 +6,7 @@ use super::error::{Fault, ReadError};
 use super::hdu::{BLOCK, Hdu, Kind};
 use super::header::Header;
 use super::source::Source;
-use super::{HduChoice, Image, pixels};
+use super::{HduChoice, Image, pixels, tiles};
 
 /// Reads the wanted HDU, or the first 2-D image.
 pub(super) fn read(mut source: Source, path: &Path, wanted: Option<&HduChoice>) -> Result<Image, ReadError> {
@@ -34,22 +34,28 @@ fn is_wanted(hdu: &Hdu, wanted: Option<&HduChoice>) -> bool {
     match (wanted, &hdu.kind) {
         (Some(choice), _) => choice.matches(hdu),
         (None, Kind::Array(shape)) => shape.plane().is_some(),
-        (None, Kind::Tiles(shape)) => shape.plane().is_some(),
+        (None, Kind::Tiles(shape)) => shape.tiled_plane().is_some(),
         (None, Kind::Other(_)) => false,
     }
 }
 
 fn read_hdu(source: &mut Source, hdu: Hdu) -> Result<Image, Fault> {
     let not_an_image = || Fault::NotTwoDimensional(hdu.words());
+    let mut warnings = Vec::new();
     let (bitpix, plane, pixels) = match &hdu.kind {
         Kind::Array(shape) => {
             let plane = shape.plane().ok_or_else(not_an_image)?;
             (shape.bitpix, plane, pixels::read(source, &hdu, shape.bitpix, plane)?)
         }
-        Kind::Tiles(_) => return Err(Fault::Unsupported("tile compression".into())),
+        Kind::Tiles(shape) => {
+            let plane = shape.tiled_plane().ok_or_else(not_an_image)?;
+            let (pixels, warning) = tiles::read(source, &hdu, shape.bitpix, plane)?;
+            warnings.extend(warning);
+            (shape.bitpix, plane, pixels)
+        }
         Kind::Other(_) => return Err(not_an_image()),
     };
-    let warnings = undefined(&pixels, bitpix)?.into_iter().collect();
+    warnings.extend(undefined(&pixels, bitpix)?);
     Ok(Image {
         width: plane.0 as usize,
         height: plane.1 as usize,

@@ -46,6 +46,14 @@ impl Shape {
         }
     }
 
+    /// The same for tile-compressed data, which were made as an image: a single axis is one row.
+    pub(super) fn tiled_plane(&self) -> Option<(u64, u64)> {
+        match self.axes.as_slice() {
+            [width] if *width > 0 => Some((*width, 1)),
+            _ => self.plane(),
+        }
+    }
+
     /// The shape in words, such as `a 3-D array of 96 x 64 x 3`.
     pub(super) fn words(&self) -> String {
         let lengths: Vec<String> = self.axes.iter().map(u64::to_string).collect();

@@ -11,6 +11,7 @@ mod hdu;
 pub mod header;
 mod pixels;
 mod source;
+mod tiles;
 
 use std::path::Path;
 

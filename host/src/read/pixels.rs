@@ -28,6 +28,12 @@ impl Scaling {
         Ok(Self { zero: number(header, "BZERO", 0.0)?, scale, blank })
     }
 
+    /// The same scaling for values to which `offset` has been added already, if that is its zero point.
+    pub(super) fn without_offset(self, offset: f64) -> Self {
+        let zero = if self.zero == offset { 0.0 } else { self.zero };
+        Self { zero, ..self }
+    }
+
     /// The physical value of a stored integer. The sum is taken in f64 and rounded once to f32.
     pub(super) fn integer(self, stored: i64) -> f32 {
         if self.blank == Some(stored) { f32::NAN } else { self.real(stored as f64) }

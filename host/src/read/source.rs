@@ -124,7 +124,7 @@ impl Source {
     }
 
     /// A read error told as what it means for this kind of file.
-    fn broken(&self, error: std::io::Error) -> Fault {
+    pub(super) fn broken(&self, error: std::io::Error) -> Fault {
         match self.stream {
             Stream::Plain(_) => Fault::Io(error),
             Stream::Gzip(_) => Fault::Wrapping(format!("broken gzip stream ({error})")),

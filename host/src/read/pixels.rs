@@ -39,6 +39,14 @@ impl Scaling {
         if self.blank == Some(stored) { f32::NAN } else { self.real(stored as f64) }
     }
 
+    /// The same for 64-bit integers, whose sum with a zero point of 2^63 (unsigned numbers) f64 would not hold.
+    fn long(self, stored: i64) -> f32 {
+        if self.blank == Some(stored) || self.scale != 1.0 || self.zero.fract() != 0.0 {
+            return self.integer(stored);
+        }
+        (i128::from(stored) + self.zero as i128) as f32
+    }
+
     /// The physical value of a stored floating-point number.
     pub(super) fn real(self, stored: f64) -> f32 {
         (self.zero + self.scale * stored) as f32
@@ -99,7 +107,7 @@ pub(super) fn decode(bytes: &[u8], bitpix: i64, scaling: Scaling, out: &mut Vec<
         8 => out.extend(bytes.iter().map(|&b| scaling.integer(b.into()))),
         16 => out.extend(samples(bytes).map(|b| scaling.integer(i16::from_be_bytes(b).into()))),
         32 => out.extend(samples(bytes).map(|b| scaling.integer(i32::from_be_bytes(b).into()))),
-        64 => out.extend(samples(bytes).map(|b| scaling.integer(i64::from_be_bytes(b)))),
+        64 => out.extend(samples(bytes).map(|b| scaling.long(i64::from_be_bytes(b)))),
         -32 if plain => out.extend(samples(bytes).map(f32::from_be_bytes)),
         -32 => out.extend(samples(bytes).map(|b| scaling.real(f32::from_be_bytes(b).into()))),
         _ => out.extend(samples(bytes).map(|b| scaling.real(f64::from_be_bytes(b)))),

@@ -1,1 +1,3 @@
 //! Helpers shared by the tests that span the crates.
+
+pub mod command;

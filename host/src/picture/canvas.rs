@@ -78,7 +78,7 @@ pub enum TextSize {
 impl TextSize {
     fn font(self) -> &'static MonoFont<'static> {
         match self {
-            TextSize::Small => &ascii::FONT_6X10,
+            TextSize::Small => &ascii::FONT_8X13_BOLD,
             TextSize::Large => &ascii::FONT_10X20,
         }
     }

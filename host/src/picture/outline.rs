@@ -82,8 +82,8 @@ impl Panel {
         self.each(|column, row, x, y| canvas.set(column, row, colour(y * self.width + x)));
     }
 
-    /// Draws the outlines of labels: canvas pixels whose right or upper neighbour, or whose own
-    /// square, belongs to another label.
+    /// Draws the outlines of labels: canvas pixels with a neighbour of another label to the right
+    /// or below, and, where pixels are enlarged, to the left or above as well (lines of two).
     pub fn outline(&self, canvas: &mut Canvas, labels: &[u32]) {
         let (columns, rows) = self.size();
         let label = |column: usize, row: usize| {
@@ -93,8 +93,13 @@ impl Panel {
         for row in 0..rows {
             for column in 0..columns {
                 let here = label(column, row);
-                let beside = [(column + 1, row), (column, row + 1)];
-                let differs = beside.iter().any(|&(c, r)| c < columns && r < rows && label(c, r) != here);
+                let before = [(column.wrapping_sub(1), row), (column, row.wrapping_sub(1))];
+                let after = [(column + 1, row), (column, row + 1)];
+                let thick = matches!(self.zoom, Zoom::Enlarge(3..));
+                let differs = after
+                    .iter()
+                    .chain(before.iter().filter(|_| thick))
+                    .any(|&(c, r)| c < columns && r < rows && label(c, r) != here);
                 if differs {
                     canvas.set(self.left + column, self.top + row, MARK);
                 }

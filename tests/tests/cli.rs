@@ -1,0 +1,165 @@
+//! The command line as a user meets it: results, messages, exit codes, and nothing half-written.
+
+use skyfront_tests::command::{Folder, messages, skyfront};
+use std::fs;
+
+const PRODUCTS: [&str; 8] = [
+    "catalog.csv",
+    "catalog.fits",
+    "front.fits",
+    "overlay.png",
+    "segmentation.fits",
+    "segmented.fits",
+    "stages.png",
+    "summary.json",
+];
+
+/// A folder with the demo's sky in it.
+fn with_sky(name: &str) -> (Folder, String) {
+    let folder = Folder::new(name);
+    let demo = skyfront(["demo", "--quiet", "--out", &folder.file("demo")]);
+    assert!(demo.status.success(), "{}", messages(&demo));
+    let sky = folder.file("demo/sky.fits");
+    (folder, sky)
+}
+
+fn summary(folder: &Folder, run: &str) -> serde_json::Value {
+    let text = fs::read_to_string(folder.path().join(run).join("summary.json")).expect("a summary was written");
+    serde_json::from_str(&text).expect("the summary is JSON")
+}
+
+/// Runs `skyfront` and expects failure: exit code, one line on stderr that contains `word`.
+fn fails(arguments: &[&str], code: i32, word: &str) {
+    let output = skyfront(arguments);
+    let text = messages(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
+    assert!(text.contains(word), "{arguments:?}: '{word}' is not in: {text}");
+    if code == 1 {
+        assert_eq!(text.lines().count(), 1, "{arguments:?}: more than one line: {text}");
+    }
+}
+
+#[test]
+fn the_demo_makes_a_sky_and_every_product() {
+    let folder = Folder::new("demo");
+    let output = skyfront(["demo", "--out", &folder.file("out")]);
+    assert!(output.status.success(), "{}", messages(&output));
+    assert!(messages(&output).contains("sources"), "{}", messages(&output));
+    let mut expected: Vec<&str> = PRODUCTS.to_vec();
+    expected.push("sky.fits");
+    expected.sort_unstable();
+    assert_eq!(folder.names("out"), expected);
+    assert!(summary(&folder, "out")["n_sources"].as_u64().expect("a number") >= 3);
+}
+
+#[test]
+fn a_segmented_file_gives_the_same_bytes_as_the_demo_and_as_itself() {
+    let (folder, sky) = with_sky("bytes");
+    for run in ["one", "two"] {
+        let output = skyfront(["segment", &sky, "--preset", "paper-f160", "--quiet", "--out", &folder.file(run)]);
+        assert!(output.status.success(), "{}", messages(&output));
+        assert!(output.stderr.is_empty(), "quiet is quiet: {}", messages(&output));
+    }
+    assert_eq!(folder.names("one"), PRODUCTS);
+    for product in PRODUCTS.iter().filter(|&&product| product != "summary.json") {
+        let read = |run: &str| fs::read(folder.path().join(run).join(product)).expect("the product was written");
+        assert_eq!(read("one"), read("two"), "{product} differs between two runs");
+    }
+    let digest = |run: &str| summary(&folder, run)["labels_crc32"].clone();
+    assert_eq!(digest("one"), digest("demo"));
+}
+
+#[test]
+fn every_preset_and_scheme_runs() {
+    let (folder, sky) = with_sky("schemes");
+    let runs: [&[&str]; 6] = [
+        &["--preset", "paper-real"],
+        &["--preset", "paper-f160", "--scheme", "sl"],
+        &["--preset", "paper-f160", "--scheme", "fd-curvature", "--edge", "g1", "--t-max", "1"],
+        &["--preset", "paper-f160", "--scheme", "sl-curvature", "--t-max", "1", "--directions", "64"],
+        &[
+            "--preset",
+            "paper-f160",
+            "--normalize",
+            "percentile",
+            "--range",
+            "1,99.5",
+            "--rescale",
+            "r2",
+            "--stop",
+            "rate",
+        ],
+        &["--preset", "paper-f160", "--rescale", "none", "--filter", "none", "--edge", "g2", "--connectivity", "4"],
+    ];
+    for (index, options) in runs.iter().enumerate() {
+        let run = format!("run{index}");
+        let out = folder.file(&run);
+        let arguments = ["segment", &sky, "--out", &out].into_iter().chain(options.iter().copied());
+        let output = skyfront(arguments);
+        assert!(output.status.success(), "{options:?}: {}", messages(&output));
+        assert!(summary(&folder, &run)["iterations"].as_u64().expect("a number") > 0);
+    }
+}
+
+#[test]
+fn bad_input_is_one_line_and_leaves_nothing() {
+    let (folder, sky) = with_sky("bad");
+    let out = folder.file("out");
+    let text = folder.file("text.fits");
+    fs::write(&text, "this is not an image\n").expect("the file can be written");
+    let bytes = fs::read(&sky).expect("the sky was written");
+    let cut = folder.file("cut.fits");
+    fs::write(&cut, &bytes[..bytes.len() / 2]).expect("the file can be written");
+
+    fails(&["segment", &folder.file("absent.fits"), "--out", &out], 1, "absent.fits");
+    fails(&["segment", &text, "--out", &out], 1, "text.fits");
+    fails(&["segment", &cut, "--out", &out], 1, "cut.fits");
+    fails(&["segment", &sky, "--out", &out, "--hdu", "7"], 1, "7");
+    assert!(folder.names("out").is_empty(), "nothing is left behind: {:?}", folder.names("out"));
+}
+
+#[test]
+fn parameters_out_of_bounds_name_parameter_value_and_bound() {
+    let (folder, sky) = with_sky("bounds");
+    let out = folder.file("out");
+    let cases: [(&[&str], &[&str]); 6] = [
+        (&["--dt", "0.06"], &["time step", "0.06", "at most 0.05"]),
+        (&["--rescale", "r1", "--alpha", "1.5"], &["alpha", "1.5", "below 1"]),
+        (&["--c2", "1"], &["c2", "below 1"]),
+        (&["--filter-dt", "0.01"], &["filter time step", "0.01", "at most 0.0025"]),
+        (&["--t-max", "nan"], &["t_max", "NaN"]),
+        (&["--range", "60,40"], &["percentile", "40", "above 60"]),
+    ];
+    for (options, words) in cases {
+        let arguments =
+            ["segment", &sky, "--preset", "paper-f160", "--out", &out].into_iter().chain(options.iter().copied());
+        let output = skyfront(arguments);
+        let text = messages(&output);
+        assert_eq!(output.status.code(), Some(1), "{options:?}: {text}");
+        for word in words {
+            assert!(text.contains(word), "{options:?}: '{word}' is not in: {text}");
+        }
+    }
+    assert!(folder.names("out").is_empty());
+}
+
+#[test]
+fn existing_results_stay_unless_overwrite_is_given() {
+    let (folder, sky) = with_sky("overwrite");
+    let out = folder.file("out");
+    fs::create_dir_all(&out).expect("the folder can be made");
+    fs::write(folder.path().join("out/catalog.csv"), "mine").expect("the file can be written");
+    fails(&["segment", &sky, "--out", &out], 1, "--overwrite");
+    assert_eq!(folder.names("out"), ["catalog.csv"]);
+    assert_eq!(fs::read(folder.path().join("out/catalog.csv")).expect("still there"), b"mine");
+    let output = skyfront(["segment", &sky, "--out", &out, "--overwrite", "--preset", "paper-f160"]);
+    assert!(output.status.success(), "{}", messages(&output));
+    assert_eq!(folder.names("out"), PRODUCTS);
+}
+
+#[test]
+fn bad_usage_is_exit_code_2() {
+    fails(&["segment"], 2, "Usage");
+    fails(&["segment", "x.fits", "--out", "y", "--scheme", "none"], 2, "scheme");
+    fails(&["--no-such-option"], 2, "no-such-option");
+}

@@ -7,6 +7,7 @@ mod demo;
 mod options;
 mod segment;
 
+pub use demo::simulated;
 pub use options::Options;
 
 use clap::{Parser, Subcommand};

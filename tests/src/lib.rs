@@ -2,3 +2,8 @@
 
 pub mod command;
 pub mod text;
+
+/// The README's code is compiled and run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

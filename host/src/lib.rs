@@ -8,5 +8,6 @@ pub mod picture;
 pub mod pipeline;
 pub mod provenance;
 pub mod read;
+pub mod reference;
 pub mod summary;
 pub mod write;

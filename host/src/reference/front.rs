@@ -1,0 +1,92 @@
+//! Step 5: the front from u0 until it stops (`critarr`).
+
+use super::{Parameters, Plane, Scheme, Stop, fd, fd_curvature, sl, sl_curvature};
+
+/// What ended an evolution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// The stopping rule was met.
+    Converged,
+    /// T_max was reached first.
+    TimeLimit,
+}
+
+/// The result of an evolution.
+#[derive(Clone, Debug)]
+pub struct Evolution {
+    /// The representation function at the end.
+    pub u: Plane,
+    /// Time steps taken.
+    pub steps: u32,
+    /// `steps` times dt.
+    pub t: f64,
+    /// What ended it.
+    pub ended: Ended,
+    /// After each step, the left side of `critarr`.
+    pub changes: Vec<f64>,
+}
+
+/// Smallest width and height: the zero level of u0 lies two pixels inside the border.
+pub(super) const LEAST_SIDE: usize = 5;
+
+/// u0: a pyramid over the grid whose zero level is the rectangle two pixels inside the frame's border (erratum 1).
+pub fn initial(width: usize, height: usize, dx: f64) -> Plane {
+    let centre = |n: usize| (n as f64 - 1.0) * dx / 2.0;
+    let half = |n: usize| n as f64 * dx / 2.0 - 2.0 * dx;
+    Plane::from_fn(width, height, |i, j| {
+        let x = (i as f64 * dx - centre(width)).abs() / half(width);
+        let y = (j as f64 * dx - centre(height)).abs() / half(height);
+        1.0 - x.max(y)
+    })
+}
+
+/// u0 saturated at `band` pixels from the front, counted along the shorter side of the frame.
+pub fn saturated(u0: &Plane, band: f64) -> Plane {
+    let half = u0.width().min(u0.height()) as f64 / 2.0 - 2.0;
+    u0.map(|v| v.clamp(-band / half, band / half))
+}
+
+/// One time step of the chosen scheme.
+pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
+    match p.scheme {
+        Scheme::Fd => fd::step(p, g, v),
+        Scheme::FdCurvature => fd_curvature::step(p, g, v),
+        Scheme::Sl => sl::step(p, g, v),
+        Scheme::SlCurvature => sl_curvature::step(p, g, v),
+    }
+}
+
+/// Steps from `u0` until the stopping rule is met or T_max is reached.
+pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
+    let mut u = u0.clone();
+    let mut changes = Vec::new();
+    let mut ended = Ended::TimeLimit;
+    for _ in 0..p.max_steps() {
+        let next = step(p, g, &u);
+        let (change, crossed) = near_front(p, &u, &next);
+        u = next;
+        changes.push(change);
+        let still = match p.stop {
+            Stop::Paper => change <= p.eps,
+            Stop::Rate => change / p.dt <= p.eps && !crossed,
+        };
+        if still {
+            ended = Ended::Converged;
+            break;
+        }
+    }
+    let steps = changes.len() as u32;
+    Evolution { u, steps, t: f64::from(steps) * p.dt, ended, changes }
+}
+
+/// dx^2 times the sum of |v^(n+1) - v^n| over the nodes near the front, and whether one of them changed sign.
+fn near_front(p: &Parameters, old: &Plane, new: &Plane) -> (f64, bool) {
+    let (mut sum, mut crossed) = (0.0, false);
+    for (&a, &b) in old.values().iter().zip(new.values()) {
+        if a.abs() <= p.eps_front {
+            sum += (b - a).abs();
+            crossed |= (a > 0.0) != (b > 0.0);
+        }
+    }
+    (p.dx * p.dx * sum, crossed)
+}

@@ -1,0 +1,153 @@
+//! The Rescaling Segmentation Algorithm in f64, written straight from the paper: the yardstick of `skyfront crosscheck`.
+//!
+//! Source: S. Tozza, M. Falcone, "On the segmentation of astronomical images via level-set methods". Equation labels
+//! in `code` are the LaTeX labels of the paper. Every stage is a whole plane that stays available, differences are
+//! divided by dx, nothing is folded, fused or reused: the code is meant to be held beside the page. It shares no
+//! numerical code with `skyfront-core`, so that agreement of the two means something.
+//!
+//! Where the print cannot be taken literally the correction is numbered, and the comments refer to the numbers:
+//!
+//! 1. u0 is centred on the grid of any W x H (the print gives 300 x 300 with the centre half a pixel off).
+//! 2. The curvature term is divided by |D^c|^2 (printed: the first power).
+//! 3. The averages of `DFgk` and `SLgk` have `- v` ([`CurvatureForm::Consistent`]; the print is [`CurvatureForm::Printed`]).
+//! 4. The threshold C dx^s, not given in the paper, has C = 0.1 and s = 1.
+//! 5. r(x) > x is asked on (0, 1) only: the ends are fixed points.
+//! 6. mu of Perona-Malik is a gradient, in grey levels per unit of length (not per pixel).
+//! 7. g1 must not overflow: IEEE infinity gives exactly 0.
+//! 8. [`Stop::Rate`] is the rule per unit time; [`Stop::Paper`] is `critarr`.
+//! 9. Every explicit step is held to its CFL bound.
+
+mod edge;
+mod error;
+mod fd;
+mod fd_curvature;
+mod filter;
+mod front;
+mod normalize;
+mod otsu;
+mod parameters;
+mod plane;
+mod rescale;
+mod segments;
+mod sl;
+mod sl_curvature;
+
+pub use edge::{gradient, gradient_range};
+pub use error::ReferenceError;
+pub use front::{Ended, Evolution, evolve, initial, saturated, step};
+pub use otsu::otsu;
+pub use parameters::{
+    Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Parameters, Rescale, Scheme, Stop, Tau,
+};
+pub use plane::{Around, Plane};
+pub use rescale::{r1, r2, r3};
+pub use segments::label;
+
+/// Everything the algorithm computed on its way, row-major with row 0 first.
+#[derive(Clone, Debug)]
+pub struct Stages {
+    /// The two grey levels of the original image that became 0 and 1.
+    pub range: (f64, f64),
+    /// Which pixels of the original image were finite.
+    pub defined: Vec<bool>,
+    /// `risc01`, in \[0, 1\]; undefined pixels hold the lower median.
+    pub normalised: Plane,
+    /// The threshold of r3; `None` for the other rescalings.
+    pub tau: Option<f64>,
+    /// After r1, r2 or r3: of the normalised image, or of the filtered one when the filter comes first.
+    pub rescaled: Plane,
+    /// After the filter: of the rescaled image, or of the normalised one when the filter comes first.
+    pub filtered: Plane,
+    /// m and M: the range of |grad I|, in grey levels per unit of length.
+    pub gradient: (f64, f64),
+    /// The edge detector, in \[0, 1\].
+    pub g: Plane,
+    /// The representation function at the start.
+    pub u0: Plane,
+    /// The representation function when the front stopped.
+    pub u: Plane,
+    /// {u > 0} without the undefined pixels.
+    pub mask: Vec<bool>,
+    /// Sources 1, 2, ... in raster order of their first pixel; 0 is the background.
+    pub labels: Vec<u32>,
+    /// Number of sources.
+    pub sources: u32,
+    /// Time steps taken.
+    pub steps: u32,
+    /// Time at the end, `steps` times dt.
+    pub t: f64,
+    /// What ended the evolution.
+    pub ended: Ended,
+    /// After each step, dx^2 times the sum over |v^n| <= eps_F of |v^(n+1) - v^n|.
+    pub changes: Vec<f64>,
+}
+
+/// Runs the whole algorithm on `width` x `height` pixels, row-major; pixels that are not finite are undefined.
+///
+/// # Errors
+/// A parameter out of its bounds, a length that is not width times height, or an image without two different levels.
+pub fn run(parameters: &Parameters, pixels: &[f64], width: usize, height: usize) -> Result<Stages, ReferenceError> {
+    let u0 = initial(width, height, parameters.dx);
+    match parameters.band {
+        Some(band) => run_from(parameters, pixels, saturated(&u0, band)),
+        None => run_from(parameters, pixels, u0),
+    }
+}
+
+/// [`run`] with the caller's own representation function, whose size is that of the image.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<Stages, ReferenceError> {
+    parameters.check()?;
+    let (width, height) = (u0.width(), u0.height());
+    if width < front::LEAST_SIDE || height < front::LEAST_SIDE || pixels.len() != width * height {
+        return Err(ReferenceError::Size { pixels: pixels.len(), width, height });
+    }
+    let p = parameters;
+    let defined: Vec<bool> = pixels.iter().map(|v| v.is_finite()).collect();
+    let (normalised, range) = normalize::normalize(p.normalize, pixels, width, height)?;
+    let threshold = |image: &Plane| rescale::threshold(p.rescale, p.tau, image, &defined);
+    let (tau, rescaled, filtered);
+    match p.order {
+        Order::RescaleFirst => {
+            tau = threshold(&normalised);
+            rescaled = rescale::rescale(p.rescale, tau, &normalised);
+            filtered = filter::filter(p.filter, p.dx, &rescaled);
+        }
+        Order::FilterFirst => {
+            filtered = filter::filter(p.filter, p.dx, &normalised);
+            tau = threshold(&filtered);
+            rescaled = rescale::rescale(p.rescale, tau, &filtered);
+        }
+    }
+    let last = match p.order {
+        Order::RescaleFirst => &filtered,
+        Order::FilterFirst => &rescaled,
+    };
+    let slope = gradient(last, p.dx);
+    let (m, big_m) = gradient_range(&slope);
+    let g = edge::detector(p.edge, &slope, m, big_m);
+    let Evolution { u, steps, t, ended, changes } = evolve(p, &g, &u0);
+    let mask: Vec<bool> = u.values().iter().zip(&defined).map(|(&v, &seen)| seen && v > 0.0).collect();
+    let (labels, sources) = label(&mask, width, p.connectivity, p.min_area);
+    Ok(Stages {
+        range,
+        defined,
+        normalised,
+        tau,
+        rescaled,
+        filtered,
+        gradient: (m, big_m),
+        g,
+        u0,
+        u,
+        mask,
+        labels,
+        sources,
+        steps,
+        t,
+        ended,
+        changes,
+    })
+}

@@ -1,0 +1,38 @@
+//! Step 1: grey levels to \[0, 1\] (`risc01`).
+
+use super::{Normalize, Plane, ReferenceError};
+
+/// The normalised image and the two levels that became 0 and 1. Pixels that are not finite take no part in the
+/// levels and are given the median of the others.
+pub(super) fn normalize(
+    how: Normalize,
+    pixels: &[f64],
+    width: usize,
+    height: usize,
+) -> Result<(Plane, (f64, f64)), ReferenceError> {
+    let mut sorted: Vec<f64> = pixels.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let (Some(&min), Some(&max)) = (sorted.first(), sorted.last()) else {
+        return Err(ReferenceError::Constant);
+    };
+    let (low, high) = match how {
+        Normalize::MinMax => (min, max),
+        Normalize::Percentile(low, high) => (percentile(&sorted, low), percentile(&sorted, high)),
+    };
+    if low >= high {
+        return Err(ReferenceError::Constant);
+    }
+    let level = |v: f64| ((v - low) / (high - low)).clamp(0.0, 1.0);
+    let fill = level(percentile(&sorted, 50.0));
+    let plane = Plane::from_fn(width, height, |i, j| {
+        let v = pixels[j as usize * width + i as usize];
+        if v.is_finite() { level(v) } else { fill }
+    });
+    Ok((plane, (low, high)))
+}
+
+/// The percentile's lower nearest rank: a level of the image, nothing between two.
+fn percentile(sorted: &[f64], percent: f64) -> f64 {
+    let rank = (percent / 100.0 * (sorted.len() - 1) as f64).floor();
+    sorted[rank as usize]
+}

@@ -1,0 +1,54 @@
+//! Step 6: connected components of {u > 0}.
+
+use super::Connectivity;
+
+/// Labels 1, 2, ... of the components of `mask` (rows of `width`) in raster order of their first pixel, and their
+/// number. Components of fewer than `min_area` pixels are background; the others are numbered without a gap.
+pub fn label(mask: &[bool], width: usize, connectivity: Connectivity, min_area: usize) -> (Vec<u32>, u32) {
+    let mut labels = vec![0; mask.len()];
+    let mut seen = vec![false; mask.len()];
+    let mut count = 0;
+    for first in 0..mask.len() {
+        if !mask[first] || seen[first] {
+            continue;
+        }
+        let component = component(mask, &mut seen, width, connectivity, first);
+        if component.len() >= min_area {
+            count += 1;
+            for pixel in component {
+                labels[pixel] = count;
+            }
+        }
+    }
+    (labels, count)
+}
+
+/// All pixels connected to `first`; they become `seen`.
+fn component(mask: &[bool], seen: &mut [bool], width: usize, connectivity: Connectivity, first: usize) -> Vec<usize> {
+    seen[first] = true;
+    let mut found = vec![first];
+    let mut next = 0;
+    while next < found.len() {
+        for neighbour in neighbours(found[next], width, mask.len() / width, connectivity) {
+            if mask[neighbour] && !seen[neighbour] {
+                seen[neighbour] = true;
+                found.push(neighbour);
+            }
+        }
+        next += 1;
+    }
+    found
+}
+
+/// The pixels next to one, inside the image.
+fn neighbours(pixel: usize, width: usize, height: usize, connectivity: Connectivity) -> impl Iterator<Item = usize> {
+    let (x, y) = (pixel % width, pixel / width);
+    let columns = x.saturating_sub(1)..=(x + 1).min(width - 1);
+    let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+    rows.flat_map(move |j| columns.clone().map(move |i| (i, j)))
+        .filter(move |&(i, j)| match connectivity {
+            Connectivity::Four => (i != x) != (j != y),
+            Connectivity::Eight => (i, j) != (x, y),
+        })
+        .map(move |(i, j)| j * width + i)
+}

@@ -2,6 +2,7 @@
 
 pub mod catalogue;
 pub mod cli;
+pub mod crosscheck;
 pub mod machine;
 pub mod outputs;
 pub mod picture;

@@ -41,7 +41,7 @@ pub use parameters::{
 };
 pub use plane::{Around, Plane};
 pub use rescale::{r1, r2, r3};
-pub use segments::label;
+pub use segments::{centroids, label};
 
 /// Everything the algorithm computed on its way, row-major with row 0 first.
 #[derive(Clone, Debug)]

@@ -52,3 +52,22 @@ fn neighbours(pixel: usize, width: usize, height: usize, connectivity: Connectiv
         })
         .map(move |(i, j)| j * width + i)
 }
+
+/// Centroids (column, row) of the sources 1 to `sources` of a label map with rows of `width`, weighted by the pixel
+/// values above `floor`; the first pixel of a source that has none above it.
+pub fn centroids(labels: &[u32], sources: u32, pixels: &[f64], width: usize, floor: f64) -> Vec<(f64, f64)> {
+    let mut sums = vec![(0.0, 0.0, 0.0); sources as usize];
+    let mut first = vec![None; sources as usize];
+    for (at, (&label, &pixel)) in labels.iter().zip(pixels).enumerate().filter(|(_, (label, _))| **label != 0) {
+        let (x, y) = ((at % width) as f64, (at / width) as f64);
+        let source = label as usize - 1;
+        first[source].get_or_insert((x, y));
+        let weight = (pixel - floor).max(0.0);
+        let (total, along, up) = sums[source];
+        sums[source] = (total + weight, along + weight * x, up + weight * y);
+    }
+    let centroid = |((total, x, y), first): ((f64, f64, f64), Option<(f64, f64)>)| {
+        if total > 0.0 { (x / total, y / total) } else { first.unwrap_or((f64::NAN, f64::NAN)) }
+    };
+    sums.into_iter().zip(first).map(centroid).collect()
+}

@@ -1,0 +1,90 @@
+//! The core's configuration in the words of the reference.
+
+use crate::reference as r;
+use skyfront_core::config as c;
+
+/// The same run for the reference. An `f32` of the configuration stands for the decimal number that a person would
+/// have typed for it: 0.1 is 0.1, not the binary fraction nearest to it.
+pub fn parameters(config: &c::Config) -> r::Parameters {
+    r::Parameters {
+        normalize: match config.normalize {
+            c::Normalize::MinMax => r::Normalize::MinMax,
+            c::Normalize::Percentile { low, high } => r::Normalize::Percentile(decimal(low), decimal(high)),
+        },
+        rescale: rescale(config.rescale),
+        tau: match config.rescale {
+            c::Rescale::R3 { tau: c::Tau::Value(tau), .. } => r::Tau::Value(decimal(tau)),
+            _ => r::Tau::Otsu,
+        },
+        order: match config.order {
+            c::Order::RescaleFirst => r::Order::RescaleFirst,
+            c::Order::FilterFirst => r::Order::FilterFirst,
+        },
+        filter: filter(config),
+        edge: match config.edge {
+            c::Edge::G1 { p } => r::Edge::G1 { p: decimal(p) },
+            c::Edge::G2 => r::Edge::G2,
+            c::Edge::G2Mod { c2 } => r::Edge::G2Mod { c2: decimal(c2) },
+        },
+        scheme: match config.scheme {
+            c::Scheme::Fd => r::Scheme::Fd,
+            c::Scheme::Sl => r::Scheme::Sl,
+            c::Scheme::FdCurvature => r::Scheme::FdCurvature,
+            c::Scheme::SlCurvature => r::Scheme::SlCurvature,
+        },
+        nu: decimal(config.nu),
+        curvature_form: match config.curvature_form {
+            c::CurvatureForm::Consistent => r::CurvatureForm::Consistent,
+            c::CurvatureForm::Printed => r::CurvatureForm::Printed,
+        },
+        degenerate_c: decimal(config.degenerate),
+        degenerate_s: 1.0,
+        directions: config.directions.into(),
+        dx: decimal(config.dx),
+        dt: decimal(config.dt),
+        t_max: decimal(config.t_max),
+        eps_front: decimal(config.eps_front),
+        eps: decimal(config.eps),
+        stop: match config.stop {
+            c::Stop::Paper => r::Stop::Paper,
+            c::Stop::Rate => r::Stop::Rate,
+        },
+        band: config.band.map(decimal),
+        connectivity: match config.connectivity {
+            c::Connectivity::Four => r::Connectivity::Four,
+            c::Connectivity::Eight => r::Connectivity::Eight,
+        },
+        min_area: config.min_area as usize,
+    }
+}
+
+fn rescale(rescale: c::Rescale) -> r::Rescale {
+    match rescale {
+        c::Rescale::None => r::Rescale::None,
+        c::Rescale::R1 { alpha } => r::Rescale::R1 { alpha: decimal(alpha) },
+        c::Rescale::R2 { alpha } => r::Rescale::R2 { alpha: decimal(alpha) },
+        c::Rescale::R3 { beta, .. } => r::Rescale::R3 { beta: beta.into() },
+    }
+}
+
+fn filter(config: &c::Config) -> r::Filter {
+    let (steps, dt) = (config.filter_steps.into(), decimal(config.filter_dt));
+    match config.filter {
+        c::Filter::None => r::Filter::None,
+        c::Filter::Heat => r::Filter::Heat { steps, dt },
+        c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
+            f: match diffusivity {
+                c::Diffusivity::F1 => r::Diffusivity::F1,
+                c::Diffusivity::F2 => r::Diffusivity::F2,
+            },
+            mu: decimal(mu),
+            steps,
+            dt,
+        },
+    }
+}
+
+/// The shortest decimal number that is this `f32`.
+fn decimal(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}

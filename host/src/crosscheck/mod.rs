@@ -63,19 +63,23 @@ impl Check {
                 "u" => t.front,
                 _ => t.image,
             };
-            // Written so that a NaN fails.
-            !(d.max <= most)
+            beyond(d.max, most)
         });
         let mut failures: Vec<_> = stages.map(|d| d.stage).collect();
         let counted = [
             ("steps", c.steps.0.abs_diff(c.steps.1) > t.steps),
             ("mask", c.mask_pixels > t.pixels),
             ("labels", c.label_pixels > t.pixels),
-            ("centroids", !(c.centroid_shift <= t.centroid)),
+            ("centroids", beyond(c.centroid_shift, t.centroid)),
         ];
         failures.extend(counted.iter().filter(|(_, failed)| *failed).map(|(name, _)| *name));
         failures
     }
+}
+
+/// Whether a difference is more than it may be; one that is not a number always is.
+fn beyond(difference: f64, most: f64) -> bool {
+    difference.is_nan() || difference > most
 }
 
 /// Why a check could not be made.

@@ -1,10 +1,10 @@
 //! Helpers shared by the tests that span the crates.
 
 pub mod command;
+pub mod scenes;
 pub mod text;
 
 /// The README's code is compiled and run as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
-pub mod scenes;

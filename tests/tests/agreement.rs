@@ -20,11 +20,10 @@ fn on_the_simulated_scenes() {
         for seed in 0..3 {
             let name = format!("{kind}_dev{seed}");
             let Some(scene) = scenes::load(&name) else { return };
-            let pixels: Vec<f32> = scene.pixels.iter().map(|&v| v as f32).collect();
             for rescale in [R1, R3] {
                 for scheme in [Scheme::Fd, Scheme::Sl] {
                     let config = Config { rescale, ..Config::PAPER_F160 }.with_scheme(scheme);
-                    let checks = crosscheck(&config, &pixels, scene.width, scene.height, |_, most| most).unwrap();
+                    let checks = crosscheck(&config, &scene.pixels, scene.width, scene.height, |_, most| most).unwrap();
                     assert_agrees(&format!("{name} {rescale:?} {scheme:?}"), &checks);
                 }
             }

@@ -273,6 +273,7 @@ impl Config {
     pub fn validate<A: Arithmetic>(&self) -> Result<(), Error> {
         self.validate_image_steps()?;
         self.validate_front()?;
+        self.validate_range(A::NAME, A::LIMIT)?;
         if A::NEEDS_BAND.is_some_and(|most| self.band.is_none_or(|band| band > most)) {
             return Err(Error::Arithmetic {
                 name: A::NAME,
@@ -322,6 +323,23 @@ impl Config {
                 below("c2", c2, 1.0)
             }
         }
+    }
+
+    /// Fixed point saturates: the coefficients that may be large must be inside its range.
+    fn validate_range(&self, name: &'static str, limit: f32) -> Result<(), Error> {
+        let out_of_range = |reason| Err(Error::Arithmetic { name, reason });
+        if let Filter::PeronaMalik { mu, .. } = self.filter
+            && 1.0 / (self.dx * mu) >= limit
+        {
+            return out_of_range("1 / (dx mu) must be below 128, the end of its range");
+        }
+        if matches!(self.edge, Edge::G1 { .. }) && 0.5 / self.dx >= limit {
+            return out_of_range("g1 needs a dx above 1/256: 1 / (2 dx) must be below 128, the end of its range");
+        }
+        if self.band.is_some_and(|band| band >= limit) {
+            return out_of_range("the band must be below 128 pixels, the end of its range");
+        }
+        Ok(())
     }
 
     fn validate_front(&self) -> Result<(), Error> {

@@ -75,6 +75,7 @@ impl<M: Machine> Arithmetic for F32<M> {
     const CODE: u8 = 1;
     const CHANGE_UNITS: f32 = 4_294_967_296.0;
     const NEEDS_BAND: Option<f32> = None;
+    const LIMIT: f32 = f32::INFINITY;
 
     type Real = f32;
     type Cell = f32;

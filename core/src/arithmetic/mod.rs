@@ -4,11 +4,19 @@
 //! [`Cell`](Arithmetic::Cell) that planes and scratch rows are made of, and how the two convert.
 //! Narrow formats keep narrow cells and compute in a wider `Real`.
 
+mod elementary;
 mod exponent;
+mod fixed24;
 mod float;
+mod q11;
+mod q24;
+mod roots;
 
 pub use exponent::Exponent;
+pub use fixed24::Fixed24;
 pub use float::F32;
+pub use q11::{Narrow, Q11};
+pub use q24::Q24;
 
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
@@ -97,6 +105,8 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + 'static {
     const CHANGE_UNITS: f32;
     /// Whether the front must be held in pixels and saturated to a band of this half-width.
     const NEEDS_BAND: Option<f32>;
+    /// Coefficients and front values must be smaller than this.
+    const LIMIT: f32;
 
     /// What kernels compute in.
     type Real: Real;

@@ -1,0 +1,210 @@
+//! 16-bit fixed point: narrow planes, 4 bytes a pixel, and kernels in I8F24.
+//!
+//! The image and the edge detector are U1F15 (range [0, 2), step 2^-15); the front is I5F11 in
+//! pixels (range [-16, 16), step 2^-11), saturated by its band to at most 8 pixels.
+
+use super::fixed24::Fixed24;
+use super::{Arithmetic, Cell, Exponent, Real, elementary, roots, sealed::Sealed};
+use fixed::types::{I5F11, U1F15};
+
+/// Fixed point in 16-bit planes; the front needs a band.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Q11;
+
+/// 16 bits: U1F15 in the image plane, I5F11 in the front plane, at the end a label.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Narrow(u16);
+
+impl Cell for Narrow {
+    const MAX_LABEL: u32 = 0xFFFF;
+    const BYTES: usize = 2;
+
+    #[inline]
+    fn from_label(label: u32) -> Self {
+        Narrow(label.min(Self::MAX_LABEL) as u16)
+    }
+
+    #[inline]
+    fn label(self) -> u32 {
+        u32::from(self.0)
+    }
+
+    #[inline]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> Self {
+        Narrow(bits as u16)
+    }
+}
+
+/// Fraction bits that a pixel and a level lack of a [`Fixed24`].
+const PIXEL_SHIFT: u32 = 24 - U1F15::FRAC_NBITS;
+const LEVEL_SHIFT: u32 = 24 - I5F11::FRAC_NBITS;
+
+impl Narrow {
+    #[inline(always)]
+    fn level_bits(self) -> i16 {
+        I5F11::from_bits(self.0 as i16).to_bits()
+    }
+}
+
+impl Sealed for Q11 {}
+
+impl Arithmetic for Q11 {
+    const NAME: &'static str = "q11";
+    const CODE: u8 = 3;
+    const CHANGE_UNITS: f32 = 2048.0;
+    const NEEDS_BAND: Option<f32> = Some(8.0);
+    const LIMIT: f32 = 128.0;
+
+    type Real = Fixed24;
+    type Cell = Narrow;
+
+    #[inline(always)]
+    fn pixel(cell: Narrow) -> Fixed24 {
+        Fixed24::from_bits(i32::from(cell.0) << PIXEL_SHIFT)
+    }
+
+    #[inline(always)]
+    fn to_pixel(value: Fixed24) -> Narrow {
+        let rounded = value.to_bits().saturating_add(1 << (PIXEL_SHIFT - 1)) >> PIXEL_SHIFT;
+        Narrow(rounded.clamp(0, i32::from(u16::MAX)) as u16)
+    }
+
+    #[inline(always)]
+    fn level(cell: Narrow) -> Fixed24 {
+        Fixed24::from_bits(i32::from(cell.level_bits()) << LEVEL_SHIFT)
+    }
+
+    #[inline(always)]
+    fn to_level(value: Fixed24) -> Narrow {
+        let rounded = value.to_bits().saturating_add(1 << (LEVEL_SHIFT - 1)) >> LEVEL_SHIFT;
+        Narrow(rounded.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16 as u16)
+    }
+
+    #[inline]
+    fn sqrt(x: Fixed24) -> Fixed24 {
+        elementary::sqrt(x)
+    }
+
+    /// Within 2^-15 of the exact length below 2, where image gradients and smooth fronts lie;
+    /// within 2^-11 of it up to 32, the longest that a band of 8 pixels allows; saturated beyond.
+    /// The squares have 32 bits, so that a processor without wide products can afford them.
+    #[inline(always)]
+    fn norm(a: Fixed24, b: Fixed24, c: Fixed24, d: Fixed24) -> Fixed24 {
+        let sizes = [a.size(), b.size(), c.size(), d.size()];
+        let largest = sizes.iter().fold(0, |all, size| all | size);
+        let shift = if largest >> 24 == 0 {
+            PIXEL_SHIFT
+        } else if largest >> 25 == 0 {
+            PIXEL_SHIFT + 1
+        } else {
+            LEVEL_SHIFT
+        };
+        let [a, b, c, d] = sizes.map(|size| {
+            let size = (size >> shift).min(0xFFFF);
+            size.wrapping_mul(size)
+        });
+        let sum = (a.saturating_add(b)).saturating_add(c.saturating_add(d));
+        Fixed24::from_bits((roots::nearest32(sum) << shift) as i32)
+    }
+
+    /// Each component is within 2^-13.
+    #[inline]
+    fn unit(x: Fixed24, y: Fixed24, least: Fixed24) -> Option<(Fixed24, Fixed24)> {
+        // Both components fill 31 bits, then keep the upper 15.
+        let (sx, sy) = (x.size(), y.size());
+        let shift = (sx | sy).leading_zeros().saturating_sub(1);
+        let (sx, sy) = (sx << shift >> 16, sy << shift >> 16);
+        let length = roots::nearest32(sx.wrapping_mul(sx).wrapping_add(sy.wrapping_mul(sy)));
+        if length << 16 >> shift <= least.size() {
+            return None;
+        }
+        let share = |size: u32, of: Fixed24| {
+            let size = Fixed24::from_bits(((((size << 16) + (length >> 1)) / length.max(1)).min(1 << 16) << 8) as i32);
+            if of < Fixed24::ZERO { -size } else { size }
+        };
+        Some((share(sx, x), share(sy, y)))
+    }
+
+    #[inline]
+    fn pow(x: Fixed24, p: Exponent) -> Fixed24 {
+        elementary::pow(x, p)
+    }
+
+    #[inline]
+    fn log2_1p(x: Fixed24) -> Fixed24 {
+        elementary::log2_1p(x)
+    }
+
+    #[inline]
+    fn exp_neg(x: Fixed24) -> Fixed24 {
+        elementary::exp_neg(x)
+    }
+
+    #[inline(always)]
+    fn change(old: &[Narrow], new: &[Narrow], limit: Fixed24) -> u64 {
+        let limit = limit.size() >> LEVEL_SHIFT;
+        let moved = |(v, w): (&Narrow, &Narrow)| {
+            let (v, w) = (i32::from(v.level_bits()), i32::from(w.level_bits()));
+            if v.unsigned_abs() <= limit { u64::from(w.abs_diff(v)) } else { 0 }
+        };
+        old.iter().zip(new).map(moved).fold(0, u64::wrapping_add)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_round_to_nearest_and_saturate() {
+        let pixel = |x: f32| Q11::pixel(Q11::to_pixel(Fixed24::of(x))).to_f32();
+        let level = |x: f32| Q11::level(Q11::to_level(Fixed24::of(x))).to_f32();
+        assert_eq!([pixel(-0.5), pixel(0.0), pixel(1.0), pixel(3.0)], [0.0, 0.0, 1.0, 65535.0 / 32768.0]);
+        assert_eq!([level(-20.0), level(-8.0), level(8.0), level(20.0)], [-16.0, -8.0, 8.0, 32767.0 / 2048.0]);
+        for i in -32768..32768i32 {
+            let x = i as f32 / 4096.0 + 1e-5;
+            assert!((level(x) - x).abs() <= 0.5 / 2048.0);
+            assert!((pixel(x.abs() / 8.0) - x.abs() / 8.0).abs() <= 0.5 / 32768.0);
+        }
+    }
+
+    #[test]
+    fn norms_keep_their_bounds() {
+        let of = Fixed24::of;
+        assert_eq!(Q11::norm(of(3.0), of(-4.0), of(0.0), of(0.0)), of(5.0));
+        assert_eq!(Q11::norm(of(16.0), of(-16.0), of(16.0), of(-16.0)).to_f32(), 32.0);
+        assert_eq!(Q11::norm(of(-128.0), of(0.0), of(0.0), of(0.0)).to_f32(), 65535.0 / 2048.0);
+        for i in 0..400_000u32 {
+            // Multiples of a level's step, as differences of the front are.
+            let at = |k: u32| ((i.wrapping_mul(k) as i32) >> (3 + i % 16)) >> LEVEL_SHIFT << LEVEL_SHIFT;
+            let parts = [0x9E37_79B1, 0x85EB_CA6B, 0xC2B2_AE35, 0x27D4_EB2F].map(at);
+            let exact = libm::sqrt(parts.map(|v| f64::from(v) * f64::from(v)).iter().sum()) / 16_777_216.0;
+            let [a, b, c, d] = parts.map(Fixed24::from_bits);
+            let error = f64::from(Q11::norm(a, b, c, d).to_f32()) - exact.min(32.0);
+            assert!(error.abs() <= if exact < 2.0 { 1.0 / 32768.0 } else { 1.0 / 2048.0 }, "{parts:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn directions_keep_their_bound() {
+        let least = Fixed24::from_bits(1);
+        assert_eq!(Q11::unit(Fixed24::ZERO, Fixed24::ZERO, Fixed24::ZERO), None);
+        for i in 1..200_000u32 {
+            let at = |k: u32| (i.wrapping_mul(k) as i32) >> (i % 28);
+            let (x, y) = (at(0x9E37_79B1), at(0x85EB_CA6B));
+            let length = libm::sqrt(f64::from(x) * f64::from(x) + f64::from(y) * f64::from(y));
+            let Some((nx, ny)) = Q11::unit(Fixed24::from_bits(x), Fixed24::from_bits(y), least) else {
+                assert!(length <= 1.5);
+                continue;
+            };
+            for (found, exact) in [(nx, f64::from(x) / length), (ny, f64::from(y) / length)] {
+                assert!((f64::from(found.to_f32()) - exact).abs() <= 1.0 / 8192.0, "({x}, {y})");
+            }
+        }
+    }
+}

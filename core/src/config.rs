@@ -274,6 +274,7 @@ impl Config {
         self.validate_image_steps()?;
         self.validate_front()?;
         self.validate_range(A::NAME, A::LIMIT)?;
+        self.validate_curvature(A::NAME, A::LEAST_CURVATURE)?;
         if A::NEEDS_BAND.is_some_and(|most| self.band.is_none_or(|band| band > most)) {
             return Err(Error::Arithmetic {
                 name: A::NAME,
@@ -338,6 +339,16 @@ impl Config {
         }
         if self.band.is_some_and(|band| band >= limit) {
             return out_of_range("the band must be below 128 pixels, the end of its range");
+        }
+        Ok(())
+    }
+
+    fn validate_curvature(&self, name: &'static str, least: f32) -> Result<(), Error> {
+        let bends = matches!(self.scheme, Scheme::FdCurvature | Scheme::SlCurvature);
+        if bends && self.nu * self.dt / (self.dx * self.dx) < least {
+            let reason = "its narrow front cells would round away so weak a curvature: \
+                          nu dt / dx^2 must be at least 1/256";
+            return Err(Error::Arithmetic { name, reason });
         }
         Ok(())
     }

@@ -8,7 +8,7 @@
 //! | function | range | largest error, in units of 2^-24 |
 //! |---|---|---|
 //! | `roots` | x in [0, 1], up to 8 roots | 0.7 |
-//! | `squarings` | x in [0, 1], up to 8 squarings | 1.0 |
+//! | `squarings` | x in [0, 1], up to 8 squarings | 1.3 |
 //! | `power` | x in [0, 1], 0 < p <= 10^6 | 0.51 |
 //! | `log2_1p` | x in [0, 1] | 0.51 |
 //! | `exp_neg` | x in [0, 128) | 0.51 |
@@ -174,7 +174,7 @@ mod tests {
             let error = worst(|x| pow(x, Exponent::Roots(n)), |x| libm::pow(x, 1.0 / p));
             assert!(error <= 0.7, "{n} roots: {error}");
             let error = worst(|x| pow(x, Exponent::Squarings(n)), |x| libm::pow(x, p));
-            assert!(error <= 1.0, "{n} squarings: {error}");
+            assert!(error <= 1.3, "{n} squarings: {error}");
         }
     }
 

@@ -76,6 +76,7 @@ impl<M: Machine> Arithmetic for F32<M> {
     const CHANGE_UNITS: f32 = 4_294_967_296.0;
     const NEEDS_BAND: Option<f32> = None;
     const LIMIT: f32 = f32::INFINITY;
+    const LEAST_CURVATURE: f32 = 0.0;
 
     type Real = f32;
     type Cell = f32;

@@ -107,6 +107,8 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + 'static {
     const NEEDS_BAND: Option<f32>;
     /// Coefficients and front values must be smaller than this.
     const LIMIT: f32;
+    /// The least weight of the curvature, `nu dt / dx^2`, that cells of the front can resolve.
+    const LEAST_CURVATURE: f32;
 
     /// What kernels compute in.
     type Real: Real;

@@ -59,6 +59,9 @@ impl Arithmetic for Q11 {
     const CHANGE_UNITS: f32 = 2048.0;
     const NEEDS_BAND: Option<f32> = Some(8.0);
     const LIMIT: f32 = 128.0;
+    /// The move of a contour with a radius of 16 pixels, `LEAST_CURVATURE / 16`, is half a step of
+    /// a level and so just seen; with a smaller weight all but the sharpest corners stay.
+    const LEAST_CURVATURE: f32 = 1.0 / 256.0;
 
     type Real = Fixed24;
     type Cell = Narrow;

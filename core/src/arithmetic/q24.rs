@@ -41,6 +41,7 @@ impl Arithmetic for Q24 {
     const CHANGE_UNITS: f32 = 16_777_216.0;
     const NEEDS_BAND: Option<f32> = None;
     const LIMIT: f32 = 128.0;
+    const LEAST_CURVATURE: f32 = 0.0;
 
     type Real = Fixed24;
     type Cell = Fixed24;

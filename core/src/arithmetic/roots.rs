@@ -95,7 +95,8 @@ mod tests {
 
     #[test]
     fn many_64_bit_roots_at_both_ends_of_their_intervals() {
-        let near_powers = (0..32).flat_map(|bit| (0..4096u32).map(move |i| (1u32 << bit).wrapping_add(i).wrapping_sub(2048)));
+        let near_powers =
+            (0..32).flat_map(|bit| (0..4096u32).map(move |i| (1u32 << bit).wrapping_add(i).wrapping_sub(2048)));
         let spread = (0..1_000_000u32).map(|i| i.wrapping_mul(0x9E37_79B1));
         for root in near_powers.chain(spread) {
             let first = square(root);

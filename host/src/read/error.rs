@@ -10,8 +10,7 @@ pub struct ReadError {
     pub file: PathBuf,
     /// Number of the HDU (0 = primary) where the fault was found, if it concerns one.
     pub hdu: Option<usize>,
-    /// The reason.
-    #[source]
+    /// The reason. It is part of the line and therefore not given as a source as well.
     pub fault: Fault,
 }
 
@@ -45,7 +44,7 @@ pub enum Fault {
         present: String,
     },
     /// The wanted HDU is not a two-dimensional image.
-    #[error("{0}, not a 2-D image; choose another HDU with FILE and its number or name")]
+    #[error("{0}, not a 2-D image; choose another HDU with --hdu")]
     NotTwoDimensional(String),
     /// The file ends before the data its header promises.
     #[error(

@@ -3,13 +3,19 @@
 //! One call, [`image`], gives the pixels as row-major `f32` with the first FITS row as row 0 (the bottom of the
 //! picture), undefined pixels as NaN, and the header for what else is to be known. File names are taken literally:
 //! brackets and plus signs have no meaning. Whole-file gzip and bzip2 are undone on the way.
+//!
+//! PGM and PNG files begin with the top row of the picture, FITS images with the bottom row. They are turned over when
+//! read, so that a picture stands upright wherever row 0 is drawn at the bottom.
 
 mod choice;
 mod error;
 mod fits;
 mod hdu;
 pub mod header;
+mod pgm;
+mod picture;
 mod pixels;
+mod png;
 mod source;
 mod tiles;
 
@@ -62,6 +68,10 @@ impl Image {
 /// # Errors
 /// [`ReadError`] with the file, the HDU and the reason in one line.
 pub fn image(path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
-    let source = Source::open(path).map_err(|fault| fault.in_file(path))?;
-    fits::read(source, path, hdu)
+    let mut source = Source::open(path).map_err(|fault| fault.in_file(path))?;
+    let head = source.peek().map_err(|fault| fault.in_file(path))?;
+    match picture::format(head) {
+        Some(decode) => picture::read(source, path, hdu, decode),
+        None => fits::read(source, path, hdu),
+    }
 }

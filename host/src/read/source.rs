@@ -19,6 +19,8 @@ const DEFLATE_RATIO: u64 = 1032;
 /// A file open for one pass from its first byte to its last.
 pub(super) struct Source {
     stream: Stream,
+    /// Bytes that were looked at and not yet read.
+    ahead: Vec<u8>,
     position: u64,
     limit: Option<u64>,
 }
@@ -64,7 +66,17 @@ impl Source {
         } else {
             (Stream::Plain(raw), length)
         };
-        Ok(Self { stream, position: 0, limit })
+        Ok(Self { stream, ahead: Vec::new(), position: 0, limit })
+    }
+
+    /// The first bytes, which are read again afterwards. For the beginning of the file only.
+    pub(super) fn peek(&mut self) -> Result<&[u8], Fault> {
+        let mut head = vec![0; 8];
+        let count = self.fill(&mut head)?;
+        head.truncate(count);
+        self.position = 0;
+        self.ahead = head;
+        Ok(&self.ahead)
     }
 
     /// The most bytes that can still follow, if that is known before reading them.
@@ -136,6 +148,11 @@ impl Source {
 impl Read for Source {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let count = match &mut self.stream {
+            _ if !self.ahead.is_empty() => {
+                let count = self.ahead.len().min(buffer.len());
+                self.ahead.drain(..count).zip(buffer).for_each(|(byte, to)| *to = byte);
+                Ok(count)
+            }
             Stream::Plain(raw) => raw.read(buffer),
             Stream::Gzip(decoder) => decoder.read(buffer),
             Stream::Bzip2(decoder) => decoder.read(buffer),

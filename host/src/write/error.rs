@@ -14,8 +14,7 @@ pub enum WriteError {
     Io {
         /// The product or its folder.
         file: PathBuf,
-        /// What the system said.
-        #[source]
+        /// What the system said. It is part of the line and therefore not given as a source as well.
         reason: std::io::Error,
     },
     /// The FITS library refused.

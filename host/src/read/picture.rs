@@ -1,0 +1,65 @@
+//! Camera frames in picture formats, turned so that they stand like FITS images.
+
+use std::path::Path;
+
+use super::error::{Fault, ReadError};
+use super::header::Header;
+use super::source::Source;
+use super::{HduChoice, Image, pgm, png};
+
+/// A decoded picture, top row first.
+pub(super) struct Picture {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) pixels: Vec<f32>,
+    /// Bits of a sample.
+    pub(super) bitpix: i64,
+}
+
+/// A reader of one picture format.
+pub(super) type Decode = fn(&mut Source) -> Result<Picture, Fault>;
+
+/// The reader for the format that a file begins with, if it is a picture.
+pub(super) fn format(head: &[u8]) -> Option<Decode> {
+    match head {
+        [b'P', b'2' | b'5', blank, ..] if blank.is_ascii_whitespace() || *blank == b'#' => Some(pgm::read),
+        [0x89, b'P', b'N', b'G', ..] => Some(png::read),
+        _ => None,
+    }
+}
+
+/// Reads a picture. Its bottom row becomes row 0, where FITS images begin.
+pub(super) fn read(
+    mut source: Source,
+    path: &Path,
+    wanted: Option<&HduChoice>,
+    decode: Decode,
+) -> Result<Image, ReadError> {
+    if let Some(choice) = wanted.filter(|&choice| *choice != HduChoice::Number(0)) {
+        let fault = Fault::NoSuchHdu { wanted: choice.to_string(), present: "one picture, which is 0".into() };
+        return Err(fault.in_file(path));
+    }
+    let mut picture = decode(&mut source).map_err(|fault| fault.in_file(path))?;
+    flip(&mut picture.pixels, picture.width);
+    Ok(Image {
+        width: picture.width,
+        height: picture.height,
+        pixels: picture.pixels,
+        header: Header::default(),
+        primary: Header::default(),
+        hdu: 0,
+        name: None,
+        bitpix: picture.bitpix,
+        checksum: source.checksum().map_err(|fault| fault.in_file(path))?,
+        warnings: Vec::new(),
+    })
+}
+
+/// Exchanges the first row with the last, and so on.
+fn flip(pixels: &mut [f32], width: usize) {
+    let rows = pixels.len() / width;
+    let (top, bottom) = pixels.split_at_mut(rows / 2 * width);
+    for (a, b) in top.chunks_mut(width).zip(bottom.rchunks_mut(width)) {
+        a.swap_with_slice(b);
+    }
+}

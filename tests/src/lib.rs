@@ -1,7 +1,9 @@
 //! Helpers shared by the tests that span the crates.
 
 pub mod command;
+pub mod fits_bytes;
 pub mod scenes;
+pub mod specimens;
 pub mod text;
 
 /// The README's code is compiled and run as a test.

@@ -1,0 +1,156 @@
+//! Reading the specimens: right pixels, or one clear line.
+
+use std::fs;
+
+use fitsio::FitsFile;
+use fitsio::images::{ImageDescription, ImageType};
+use skyfront::read::{self, HduChoice};
+use skyfront_tests::command::Folder;
+use skyfront_tests::fits_bytes::{Header, samples};
+use skyfront_tests::specimens::{self, Expect, HEIGHT, WIDTH};
+
+fn same(a: &[f32], b: &[f32]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()))
+}
+
+#[test]
+fn every_specimen_is_read_or_refused_as_it_should() {
+    let folder = Folder::new("specimens");
+    let mut complaints = Vec::new();
+    let specimens = specimens::all();
+    assert!(specimens.len() > 90, "only {} specimens", specimens.len());
+    for specimen in specimens {
+        let path = folder.path().join(specimen.name);
+        fs::write(&path, &specimen.bytes).unwrap();
+        let outcome = read::image(&path, None);
+        let fault = match (&specimen.expect, &outcome) {
+            (Expect::Pixels(hdu, pixels), Ok(image)) => {
+                let placed = image.hdu == *hdu && (image.width, image.height) == (WIDTH, HEIGHT);
+                (!placed || !same(pixels, &image.pixels)).then(|| "has other pixels".to_owned())
+            }
+            (Expect::Refused(words), Err(error)) => {
+                let line = error.to_string();
+                let clear = line.contains(specimen.name) && line.contains(words) && line.lines().count() == 1;
+                (!clear).then(|| format!("is refused with: {line}"))
+            }
+            (Expect::Pixels(..), Err(error)) => Some(format!("is refused: {error}")),
+            (Expect::Refused(_), Ok(_)) => Some("is read".to_owned()),
+        };
+        complaints.extend(fault.map(|fault| format!("{} {fault}", specimen.name)));
+    }
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+fn as_type<T>(values: &[f64], convert: impl Fn(f64) -> T) -> Vec<T> {
+    values.iter().map(|&value| convert(value)).collect()
+}
+
+/// Has cfitsio write the scene with a compression of its extended file name syntax, and reads it back both ways.
+fn through_cfitsio(test: &str, compression: &str, bitpix: ImageType, values: &[f64]) -> (Vec<f32>, Vec<f32>) {
+    let folder = Folder::new(&format!("cfitsio-{test}"));
+    let path = folder.path().join("image.fits");
+    let description = ImageDescription { data_type: bitpix, dimensions: &[HEIGHT, WIDTH] };
+    let name = format!("{}[compress {compression}]", path.display());
+    let mut file = FitsFile::create(name)
+        .with_custom_primary(&description)
+        .open()
+        .unwrap_or_else(|error| panic!("{test}: {error}"));
+    let hdu = file.hdu(1).unwrap();
+    // cfitsio compresses only what has the type of the image already.
+    let written = match bitpix {
+        ImageType::Short => hdu.write_image(&mut file, &as_type(values, |v| v as i16)),
+        ImageType::UnsignedShort => hdu.write_image(&mut file, &as_type(values, |v| v as u16)),
+        ImageType::Long => hdu.write_image(&mut file, &as_type(values, |v| v as i32)),
+        _ => hdu.write_image(&mut file, values),
+    };
+    written.unwrap_or_else(|error| panic!("{test}: {error}"));
+    drop(file);
+    let ours = read::image(&path, None).unwrap();
+    assert_eq!((ours.hdu, ours.width, ours.height), (1, WIDTH, HEIGHT));
+    let mut file = FitsFile::open(&path).unwrap();
+    let theirs = file.hdu(1).unwrap().read_image(&mut file).unwrap();
+    (ours.pixels, theirs)
+}
+
+#[test]
+fn lossless_compressions_give_the_scene_back() {
+    let scene = specimens::scene();
+    let expected: Vec<f32> = scene.iter().map(|&v| v as f32).collect();
+    for (name, compression, bitpix) in [
+        ("rice", "R", ImageType::Short),
+        ("rice-long", "R", ImageType::Long),
+        ("rice-tiles", "R 7,5", ImageType::Short),
+        ("rice-unsigned", "R", ImageType::UnsignedShort),
+        ("gzip", "G", ImageType::Short),
+        ("gzip-tiles", "G 24,16", ImageType::Long),
+        ("hcompress", "H 24,16", ImageType::Short),
+        ("hcompress-tiles", "H 9,16", ImageType::Short),
+        ("hcompress-long", "H 24,16", ImageType::Long),
+        ("plio", "P", ImageType::Short),
+        ("float", "G; q 0", ImageType::Float),
+        ("double", "G; q 0", ImageType::Double),
+    ] {
+        let (ours, theirs) = through_cfitsio(name, compression, bitpix, &scene);
+        assert!(same(&ours, &theirs), "{name}: not what cfitsio reads");
+        assert!(same(&ours, &expected), "{name}: not the scene");
+    }
+}
+
+#[test]
+fn lossy_compressions_give_what_cfitsio_gives() {
+    let scene = specimens::scene();
+    for (name, compression, bitpix) in [
+        ("quantized", "R; q 4", ImageType::Float),
+        ("dithered-zeros", "R; qz 4", ImageType::Float),
+        ("not-dithered", "R; q0 4", ImageType::Float),
+        ("quantized-double", "G; q 4", ImageType::Double),
+        ("quantized-hcompress", "H 24,16; q 4", ImageType::Float),
+        ("hcompress-scaled", "H 12,8; s 3", ImageType::Long),
+    ] {
+        let (ours, theirs) = through_cfitsio(name, compression, bitpix, &scene);
+        assert!(same(&ours, &theirs), "{name}: not what cfitsio reads");
+        let far = ours.iter().zip(&scene).filter(|(v, s)| (f64::from(**v) - **s).abs() > 60.0).count();
+        assert_eq!(far, 0, "{name}: pixels far from the scene");
+    }
+}
+
+#[test]
+fn an_hdu_is_chosen_by_number_name_or_version() {
+    let folder = Folder::new("choice");
+    let path = folder.path().join("many.fits");
+    let extension = |name: &str, version: u64, value: f64| {
+        Header::image(16, &[2, 2]).text("EXTNAME", name).card("EXTVER", version).with(samples(16, &[value; 4]))
+    };
+    let primary = Header::primary(8, &[]).card("EXPTIME", 30.5).bytes();
+    fs::write(&path, [primary, extension("SCI", 1, 1.0), extension("ERR", 1, 2.0), extension("SCI", 2, 3.0)].concat())
+        .unwrap();
+    let read = |choice: &str| read::image(&path, Some(&choice.parse::<HduChoice>().unwrap()));
+    for (choice, value) in [("1", 1.0), ("sci", 1.0), ("Err", 2.0), ("SCI,2", 3.0), ("3", 3.0)] {
+        assert_eq!(read(choice).unwrap().pixels, [value; 4], "{choice}");
+    }
+    assert_eq!(read("SCI").unwrap().real("EXPTIME"), Some(30.5), "from the primary header");
+    for (choice, words) in [("4", "no HDU 4; the file has 0: empty"), ("DQ", "2 ERR: a 2-D"), ("0", "--hdu")] {
+        let line = read(choice).unwrap_err().to_string();
+        assert!(line.contains(words), "{line}");
+    }
+}
+
+#[test]
+fn a_directory_and_a_missing_file_are_named() {
+    let folder = Folder::new("directory.fits");
+    let directory = read::image(folder.path(), None).unwrap_err().to_string();
+    assert!(directory.contains("directory.fits") && directory.contains("is a directory"), "{directory}");
+    let missing = read::image(&folder.path().join("absent.fits"), None).unwrap_err().to_string();
+    assert!(missing.contains("absent.fits") && missing.contains("No such file"), "{missing}");
+}
+
+#[test]
+fn the_checksum_is_that_of_the_file() {
+    let folder = Folder::new("checksum");
+    let path = folder.path().join("a.fits");
+    for specimen in specimens::all().iter().filter(|s| matches!(s.expect, Expect::Pixels(..))) {
+        fs::write(&path, &specimen.bytes).unwrap();
+        let expected = crc32fast::hash(&specimen.bytes);
+        assert_eq!(read::image(&path, None).unwrap().checksum, expected, "{}", specimen.name);
+    }
+}

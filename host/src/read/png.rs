@@ -31,7 +31,7 @@ pub(super) fn read(source: &mut Source) -> Result<Picture, Fault> {
     };
     let (width, height) = (reader.info().width, reader.info().height);
     let promised = u128::from(width) * u128::from(height) * size;
-    if promised > most.into() {
+    if promised > u128::from(most) {
         return Err(Fault::Truncated { promised, present: most });
     }
     let mut bytes = Vec::new();

@@ -1,6 +1,7 @@
 //! Helpers shared by the tests that span the crates.
 
 pub mod command;
+pub mod compressed;
 pub mod fits_bytes;
 pub mod scenes;
 pub mod specimens;

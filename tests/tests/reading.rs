@@ -2,10 +2,9 @@
 
 use std::fs;
 
-use fitsio::FitsFile;
-use fitsio::images::{ImageDescription, ImageType};
 use skyfront::read::{self, HduChoice};
 use skyfront_tests::command::Folder;
+use skyfront_tests::compressed;
 use skyfront_tests::fits_bytes::{Header, samples};
 use skyfront_tests::specimens::{self, Expect, HEIGHT, WIDTH};
 
@@ -41,76 +40,20 @@ fn every_specimen_is_read_or_refused_as_it_should() {
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
 }
 
-fn as_type<T>(values: &[f64], convert: impl Fn(f64) -> T) -> Vec<T> {
-    values.iter().map(|&value| convert(value)).collect()
-}
-
-/// Has cfitsio write the scene with a compression of its extended file name syntax, and reads it back both ways.
-fn through_cfitsio(test: &str, compression: &str, bitpix: ImageType, values: &[f64]) -> (Vec<f32>, Vec<f32>) {
-    let folder = Folder::new(&format!("cfitsio-{test}"));
-    let path = folder.path().join("image.fits");
-    let description = ImageDescription { data_type: bitpix, dimensions: &[HEIGHT, WIDTH] };
-    let name = format!("{}[compress {compression}]", path.display());
-    let mut file = FitsFile::create(name)
-        .with_custom_primary(&description)
-        .open()
-        .unwrap_or_else(|error| panic!("{test}: {error}"));
-    let hdu = file.hdu(1).unwrap();
-    // cfitsio compresses only what has the type of the image already.
-    let written = match bitpix {
-        ImageType::Short => hdu.write_image(&mut file, &as_type(values, |v| v as i16)),
-        ImageType::UnsignedShort => hdu.write_image(&mut file, &as_type(values, |v| v as u16)),
-        ImageType::Long => hdu.write_image(&mut file, &as_type(values, |v| v as i32)),
-        _ => hdu.write_image(&mut file, values),
-    };
-    written.unwrap_or_else(|error| panic!("{test}: {error}"));
-    drop(file);
-    let ours = read::image(&path, None).unwrap();
-    assert_eq!((ours.hdu, ours.width, ours.height), (1, WIDTH, HEIGHT));
-    let mut file = FitsFile::open(&path).unwrap();
-    let theirs = file.hdu(1).unwrap().read_image(&mut file).unwrap();
-    (ours.pixels, theirs)
-}
-
 #[test]
-fn lossless_compressions_give_the_scene_back() {
+fn compressed_images_are_read_as_cfitsio_reads_them() {
+    let folder = Folder::new("compressed");
     let scene = specimens::scene();
-    let expected: Vec<f32> = scene.iter().map(|&v| v as f32).collect();
-    for (name, compression, bitpix) in [
-        ("rice", "R", ImageType::Short),
-        ("rice-long", "R", ImageType::Long),
-        ("rice-tiles", "R 7,5", ImageType::Short),
-        ("rice-unsigned", "R", ImageType::UnsignedShort),
-        ("gzip", "G", ImageType::Short),
-        ("gzip-tiles", "G 24,16", ImageType::Long),
-        ("hcompress", "H 24,16", ImageType::Short),
-        ("hcompress-tiles", "H 9,16", ImageType::Short),
-        ("hcompress-long", "H 24,16", ImageType::Long),
-        ("plio", "P", ImageType::Short),
-        ("float", "G; q 0", ImageType::Float),
-        ("double", "G; q 0", ImageType::Double),
-    ] {
-        let (ours, theirs) = through_cfitsio(name, compression, bitpix, &scene);
-        assert!(same(&ours, &theirs), "{name}: not what cfitsio reads");
-        assert!(same(&ours, &expected), "{name}: not the scene");
-    }
-}
-
-#[test]
-fn lossy_compressions_give_what_cfitsio_gives() {
-    let scene = specimens::scene();
-    for (name, compression, bitpix) in [
-        ("quantized", "R; q 4", ImageType::Float),
-        ("dithered-zeros", "R; qz 4", ImageType::Float),
-        ("not-dithered", "R; q0 4", ImageType::Float),
-        ("quantized-double", "G; q 4", ImageType::Double),
-        ("quantized-hcompress", "H 24,16; q 4", ImageType::Float),
-        ("hcompress-scaled", "H 12,8; s 3", ImageType::Long),
-    ] {
-        let (ours, theirs) = through_cfitsio(name, compression, bitpix, &scene);
-        assert!(same(&ours, &theirs), "{name}: not what cfitsio reads");
-        let far = ours.iter().zip(&scene).filter(|(v, s)| (f64::from(**v) - **s).abs() > 60.0).count();
-        assert_eq!(far, 0, "{name}: pixels far from the scene");
+    let exact: Vec<f32> = scene.iter().map(|&v| v as f32).collect();
+    for kind in compressed::KINDS {
+        let path = folder.path().join(format!("{}.fits", kind.name));
+        compressed::write(&path, &kind, &scene).unwrap_or_else(|error| panic!("{}: {error}", kind.name));
+        let image = read::image(&path, None).unwrap();
+        assert_eq!((image.hdu, image.width, image.height), (1, WIDTH, HEIGHT), "{}", kind.name);
+        assert!(same(&image.pixels, &compressed::read(&path)), "{}: not what cfitsio reads", kind.name);
+        assert!(!kind.lossless || same(&image.pixels, &exact), "{}: not the scene", kind.name);
+        let far = image.pixels.iter().zip(&exact).filter(|(v, s)| (**v - **s).abs() > 60.0).count();
+        assert_eq!(far, 0, "{}: pixels far from the scene", kind.name);
     }
 }
 

@@ -6,8 +6,8 @@ use super::source::Source;
 
 /// FITS files come in blocks of this many bytes.
 pub(super) const BLOCK: u64 = 2880;
-/// A header longer than this (800 000 cards) is taken for a file that is not FITS.
-const HEADER_LIMIT: usize = 64 << 20;
+/// A header longer than this (200 000 cards) is taken for a file that is not FITS.
+const HEADER_LIMIT: usize = 16 << 20;
 /// More axes than this are no image, whatever their lengths.
 const MOST_AXES: i64 = 9;
 

@@ -19,6 +19,7 @@ mod png;
 mod source;
 mod tiles;
 
+use std::io::Read;
 use std::path::Path;
 
 pub use choice::HduChoice;
@@ -68,7 +69,26 @@ impl Image {
 /// # Errors
 /// [`ReadError`] with the file, the HDU and the reason in one line.
 pub fn image(path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
-    let mut source = Source::open(path).map_err(|fault| fault.in_file(path))?;
+    read(Source::open(path), path, hdu)
+}
+
+/// Reads one image from a stream of bytes, of which there are `length` if that is known; `name` is for messages.
+///
+/// Without a length, memory grows with the bytes that arrive.
+///
+/// # Errors
+/// As for [`image`].
+pub fn stream(
+    input: Box<dyn Read>,
+    length: Option<u64>,
+    name: &Path,
+    hdu: Option<&HduChoice>,
+) -> Result<Image, ReadError> {
+    read(Source::new(input, length), name, hdu)
+}
+
+fn read(source: Result<Source, Fault>, path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
+    let mut source = source.map_err(|fault| fault.in_file(path))?;
     let head = source.peek().map_err(|fault| fault.in_file(path))?;
     match picture::format(head) {
         Some(decode) => picture::read(source, path, hdu, decode),

@@ -31,30 +31,34 @@ enum Stream {
     Bzip2(BzDecoder<BufReader<Summed>>),
 }
 
-/// The file below everything else: every byte read from it goes into the checksum.
+/// The input below everything else: every byte read from it goes into the checksum.
 struct Summed {
-    file: File,
+    input: Box<dyn Read>,
     crc: crc32fast::Hasher,
 }
 
 impl Read for Summed {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.file.read(buffer)?;
+        let count = self.input.read(buffer)?;
         self.crc.update(&buffer[..count]);
         Ok(count)
     }
 }
 
 impl Source {
-    /// Opens a file by its name, which is taken literally, and looks at its first bytes for gzip and bzip2.
+    /// Opens a file by its name, which is taken literally.
     pub(super) fn open(path: &Path) -> Result<Self, Fault> {
         let file = File::open(path)?;
         let about = file.metadata()?;
         if about.is_dir() {
             return Err(Fault::Directory);
         }
-        let length = about.is_file().then_some(about.len());
-        let mut raw = BufReader::with_capacity(BUFFER, Summed { file, crc: crc32fast::Hasher::new() });
+        Self::new(Box::new(file), about.is_file().then_some(about.len()))
+    }
+
+    /// A stream of bytes, with their number if it is known, and a look at the first ones for gzip and bzip2.
+    pub(super) fn new(input: Box<dyn Read>, length: Option<u64>) -> Result<Self, Fault> {
+        let mut raw = BufReader::with_capacity(BUFFER, Summed { input, crc: crc32fast::Hasher::new() });
         let head = raw.fill_buf()?;
         let (stream, limit) = if head.starts_with(&GZIP) {
             let limit = length.map(|bytes| bytes.saturating_mul(DEFLATE_RATIO));

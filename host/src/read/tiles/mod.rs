@@ -25,7 +25,7 @@ use quantize::Method;
 use table::{Piece, Table};
 
 /// An image of so many pixels may be compressed to nothing ...
-const FREE_PIXELS: u128 = 1 << 24;
+const FREE_PIXELS: u128 = 1 << 22;
 /// ... and beyond that a byte can stand for so many pixels at most: the longest run that PLIO writes in one byte, twice
 /// what gzip reaches.
 const PIXELS_PER_BYTE: u128 = 2048;

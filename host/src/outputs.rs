@@ -16,7 +16,7 @@ pub const DATA: [&str; 6] =
 /// Names of the pictures.
 pub const PICTURES: [&str; 2] = ["stages.png", "overlay.png"];
 
-/// Writes every product of a run under its temporary name.
+/// Writes every product of a run under its temporary name; gives what summary.json holds.
 ///
 /// # Errors
 /// The first product that could not be written.
@@ -26,7 +26,7 @@ pub fn write(
     input: &str,
     image: &Image,
     run: &Segmentation,
-) -> Result<(), WriteError> {
+) -> Result<serde_json::Value, WriteError> {
     let mut header = wcs::entries(&image.header);
     let provenance = provenance::entries(config, input, image.checksum);
     header.extend(provenance.iter().cloned());
@@ -54,7 +54,7 @@ pub fn write(
         let overlay = picture::overlay(&image.pixels, &run.labels, width, height, &run.sources);
         products.write("overlay.png", |out| overlay.write_png(out))?;
     }
-    Ok(())
+    Ok(summary)
 }
 
 fn with_unit(header: &[Entry], unit: &str) -> Vec<Entry> {

@@ -1,6 +1,8 @@
 //! `skyfront demo`: a simulated sky, segmented; no file needed.
 
-use super::segment::{Manner, plan, segment_image};
+use super::job::{Manner, plan};
+use super::messages::Volume;
+use super::segment::segment_image;
 use crate::read::{Header, Image};
 use crate::write::Entry;
 use crate::write::fits::Writer;
@@ -37,8 +39,9 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let manner = Manner { pictures: true, overwrite: arguments.overwrite, quiet: arguments.quiet };
-    let mut products = plan(&arguments.out, &manner, &[NAME])?;
+    let manner = Manner { pictures: true, overwrite: arguments.overwrite };
+    let volume = if arguments.quiet { Volume::Quiet } else { Volume::Normal };
+    let mut products = plan(&arguments.out, manner, &[NAME])?;
     let (image, sky) = simulated(Kind::Bright, SEED, SIDE, SIDE);
     let header = [
         Entry::new("OBJECT", "simulated sky", ""),
@@ -52,11 +55,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })?;
         writer.finish()
     })?;
-    if !manner.quiet {
+    if !arguments.quiet {
         eprintln!("A simulated sky of {SIDE} x {SIDE} pixels with {} stars and galaxies (seed {SEED}).", sky.objects());
     }
-    segment_image(&Config::PAPER_F160, NAME, &image, products, &manner)?;
-    if !manner.quiet {
+    segment_image(&Config::PAPER_F160, NAME, &image, products, manner, volume)?;
+    if !arguments.quiet {
         eprintln!(
             "Look at overlay.png first: the image with the outlines of the sources. stages.png shows how it came"
         );

@@ -1,21 +1,35 @@
 //! The command line: what can be asked, and the exit codes.
 //!
-//! Results go to files, messages to stderr. Exit codes: 0 done, 1 bad input or a failed check,
-//! 2 bad usage, 130 interrupted.
+//! Results go to files, messages to stderr.
 
+mod batch;
 mod demo;
+mod folders;
+mod job;
+mod manual;
+mod messages;
 mod options;
+mod presets;
 mod segment;
+mod settings;
+mod table;
 
 pub use demo::simulated;
 pub use options::Options;
 
-use clap::{Parser, Subcommand};
+use anyhow::Result;
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::ffi::OsString;
 use std::process::ExitCode;
+
+/// What every help page ends with.
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 bad input or a failed check; 2 bad usage; 130 interrupted (Ctrl-C).
+Results go to files or stdout, messages to stderr.";
 
 /// Finds and outlines stars and galaxies in astronomical images with level-set methods.
 #[derive(Debug, Parser)]
-#[command(name = "skyfront", version, about, long_about = None)]
+#[command(name = "skyfront", version, about, long_about = None, after_help = EXIT_CODES)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -23,24 +37,50 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Segment an image: FITS (also compressed or gzipped), PGM or 16-bit PNG.
+    /// Segment images: FITS (also compressed or gzipped), PGM or 16-bit PNG.
+    #[command(after_help = EXIT_CODES)]
     Segment(Box<segment::Arguments>),
     /// Make a simulated sky and segment it. Without any command this goes into skyfront-out/.
     Demo(demo::Arguments),
+    /// List the presets with their settings.
+    Presets,
+    /// Print a manual page (read it with `skyfront man | man -l -`).
+    Man(manual::ManArguments),
+    /// Print the completions for a shell.
+    Completions(manual::CompletionsArguments),
 }
 
-/// Runs a command line.
-pub fn run(cli: Cli) -> ExitCode {
-    let result = match cli.command {
-        Some(Command::Segment(arguments)) => segment::run(&arguments),
-        Some(Command::Demo(arguments)) => demo::run(&arguments),
-        None => demo::run(&demo::Arguments::into_default_folder()),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("skyfront: {error:#}");
-            ExitCode::FAILURE
-        }
+/// Runs a command line, the program's name first.
+pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let mut command = Cli::command();
+    let matches = settings::parse(&mut command, line.into_iter().collect()).unwrap_or_else(|error| error.exit());
+    if let Some(text) = dumped(&mut command, &matches) {
+        print!("{text}");
+        return ExitCode::SUCCESS;
     }
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
+    obey(cli).unwrap_or_else(|error| {
+        eprintln!("skyfront: {error:#}");
+        ExitCode::FAILURE
+    })
+}
+
+fn obey(cli: Cli) -> Result<ExitCode> {
+    match cli.command {
+        Some(Command::Segment(arguments)) => return segment::run(&arguments),
+        Some(Command::Demo(arguments)) => demo::run(&arguments)?,
+        Some(Command::Presets) => presets::run(),
+        Some(Command::Man(arguments)) => manual::man(&arguments)?,
+        Some(Command::Completions(arguments)) => manual::completions(&arguments),
+        None => demo::run(&demo::Arguments::into_default_folder())?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What `--dump-config` prints, where it is asked for.
+fn dumped(command: &mut clap::Command, matches: &ArgMatches) -> Option<String> {
+    let (name, given) = matches.subcommand()?;
+    given.try_get_one::<bool>("dump_config").ok().flatten().filter(|&&wanted| wanted)?;
+    let options = Options::from_arg_matches(given).unwrap_or_else(|error| error.format(command).exit());
+    Some(settings::dump(command.find_subcommand(name)?, given, &options.config()))
 }

@@ -4,10 +4,18 @@ use clap::{Args, ValueEnum};
 use skyfront_core::config::{
     Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Stop, Tau,
 };
+use std::path::PathBuf;
 
 /// What a run does; unset options take the preset's value.
 #[derive(Clone, Debug, Default, Args)]
 pub struct Options {
+    /// Take settings from a TOML file whose keys are the names of these options; the command line
+    /// goes before the file, the file before the preset.
+    #[arg(long = "config", value_name = "FILE")]
+    pub config_file: Option<PathBuf>,
+    /// Print the effective settings as such a file, and do nothing else.
+    #[arg(long)]
+    pub dump_config: bool,
     /// Settings to start from.
     #[arg(long, value_enum, default_value_t)]
     pub preset: Preset,

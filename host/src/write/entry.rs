@@ -15,6 +15,17 @@ pub enum Value {
     Logical(bool),
 }
 
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::Integer(value) => value.fmt(f),
+            Self::Real(value) => value.fmt(f),
+            Self::Logical(value) => value.fmt(f),
+        }
+    }
+}
+
 /// One header entry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {

@@ -1,0 +1,108 @@
+//! Many images in one run: each in a folder of its own, a table of all, and none stops the others.
+
+use super::folders::folders;
+use super::job::{plan, process};
+use super::messages::{Volume, progress_bar, report, warnings};
+use super::segment::Arguments;
+use super::table::{self, Row};
+use crate::write::Products;
+use anyhow::Result;
+use indicatif::ProgressBar;
+use serde_json::Value;
+use skyfront_core::config::Config;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// The table of all images.
+const TABLE: &str = "summary.csv";
+
+/// Segments every image; the exit code tells whether all of them could be.
+pub fn run(arguments: &Arguments, config: &Config) -> Result<ExitCode> {
+    let mut products = Products::plan(&arguments.out, &[TABLE], arguments.manner().overwrite)?;
+    let folders = folders(&arguments.images, TABLE);
+    let bar = progress_bar(arguments.images.len() as u64, "images", arguments.volume());
+    let rows = in_parallel(arguments.images.len(), arguments.jobs.get(), |index| {
+        let row = one(arguments, config, &arguments.images[index], &folders[index], &bar);
+        bar.inc(1);
+        row
+    });
+    bar.finish_and_clear();
+    products.write(TABLE, |out| table::write_csv(&rows, out))?;
+    products.publish()?;
+    if arguments.json {
+        rows.iter().for_each(|row| println!("{}", row.json()));
+    }
+    let failed = rows.iter().filter(|row| row.result.is_err()).count();
+    if arguments.volume() > Volume::Quiet {
+        table::lines(&rows).iter().for_each(|line| eprintln!("{line}"));
+        eprintln!("{} images segmented, {failed} failed; {TABLE} in {}", rows.len() - failed, arguments.out.display());
+    }
+    Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// One image of many; what goes wrong becomes its row, and one line on stderr at once.
+fn one(arguments: &Arguments, config: &Config, path: &Path, folder: &str, bar: &ProgressBar) -> Row {
+    let result = segmented(arguments, config, path, &arguments.out.join(folder), bar).map_err(|error| {
+        let reason = format!("{error:#}");
+        bar.suspend(|| eprintln!("skyfront: {reason}"));
+        reason
+    });
+    Row { image: path.display().to_string(), folder: folder.to_owned(), result }
+}
+
+/// Segments an image into its folder; what remains is its summary.
+fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path, bar: &ProgressBar) -> Result<Value> {
+    let name = path.display().to_string();
+    let image = arguments.read(path)?;
+    let products = plan(folder, arguments.manner(), &[])?;
+    let done = process(config, &name, &image, products, arguments.manner(), &mut |_| ())?;
+    let lines = match arguments.volume() {
+        Volume::Quiet => Vec::new(),
+        Volume::Normal => warnings(&name, &done),
+        Volume::Verbose => report(config, &name, &done, Volume::Verbose),
+    };
+    let about_file = image.warnings.iter().filter(|_| arguments.volume() > Volume::Quiet);
+    let about_file = about_file.map(|warning| format!("warning: {name}: {warning}"));
+    bar.suspend(|| about_file.chain(lines).for_each(|line| eprintln!("{line}")));
+    Ok(done.summary)
+}
+
+/// `work(0)` to `work(count - 1)` on `workers` threads, the results in order.
+///
+/// Threads take the next number when they are free: at most `workers` images are in memory.
+fn in_parallel<T: Send>(count: usize, workers: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new(Vec::with_capacity(count));
+    std::thread::scope(|scope| {
+        for _ in 0..workers.min(count) {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    if index >= count {
+                        break;
+                    }
+                    let result = work(index);
+                    results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_unstable_by_key(|&(index, _)| index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_in_order_whatever_the_workers() {
+        let squares: Vec<usize> = (0..100).map(|n| n * n).collect();
+        for workers in [1, 3, 200] {
+            assert_eq!(in_parallel(100, workers, |n| n * n), squares);
+        }
+    }
+}

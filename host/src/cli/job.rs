@@ -1,0 +1,57 @@
+//! One image, from pixels to published products.
+
+use crate::outputs;
+use crate::pipeline::{Drive, segment};
+use crate::read::Image;
+use crate::write::Products;
+use anyhow::{Context, Result};
+use serde_json::Value;
+use skyfront_core::config::Config;
+use skyfront_core::outcome::{Outcome, Progress};
+use skyfront_core::stage::Stage;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How results are written.
+#[derive(Clone, Copy, Debug)]
+pub struct Manner {
+    /// Pictures too.
+    pub pictures: bool,
+    /// Files that exist are replaced.
+    pub overwrite: bool,
+}
+
+/// What remains of a segmented image when its planes are gone.
+pub struct Done {
+    pub width: usize,
+    pub height: usize,
+    pub outcome: Outcome,
+    pub seconds: Vec<(Stage, Duration)>,
+    /// What summary.json holds.
+    pub summary: Value,
+    /// The published products.
+    pub files: Vec<PathBuf>,
+}
+
+/// The products of an image, and `more`, planned in a folder.
+pub fn plan(folder: &Path, manner: Manner, more: &[&str]) -> Result<Products> {
+    let pictures: &[&str] = if manner.pictures { &outputs::PICTURES } else { &[] };
+    let names: Vec<&str> = outputs::DATA.iter().chain(pictures).chain(more).copied().collect();
+    Ok(Products::plan(folder, &names, manner.overwrite)?)
+}
+
+/// Segments an image, writes and publishes its products.
+pub fn process(
+    config: &Config,
+    name: &str,
+    image: &Image,
+    mut products: Products,
+    manner: Manner,
+    watch: &mut dyn FnMut(&Progress),
+) -> Result<Done> {
+    let mut drive = Drive { keep_stages: manner.pictures, watch: Some(watch), ..Drive::default() };
+    let run = segment(config, &image.pixels, image.width, image.height, &mut drive).with_context(|| name.to_owned())?;
+    let summary = outputs::write(&mut products, config, name, image, &run)?;
+    let files = products.publish()?;
+    Ok(Done { width: run.width, height: run.height, outcome: run.outcome, seconds: run.seconds, summary, files })
+}

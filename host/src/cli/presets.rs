@@ -1,0 +1,21 @@
+//! `skyfront presets`: what each preset is and sets.
+
+use super::options::Preset;
+use crate::provenance::parameters;
+use clap::ValueEnum;
+
+/// Lists the presets.
+pub fn run() {
+    for (index, preset) in Preset::value_variants().iter().enumerate() {
+        let Some(value) = preset.to_possible_value() else { continue };
+        let standard = if *preset == Preset::default() { " (default)" } else { "" };
+        let blank = if index == 0 { "" } else { "\n" };
+        println!("{blank}{}{standard}", value.get_name());
+        if let Some(help) = value.get_help() {
+            println!("    {help}");
+        }
+        for parameter in parameters(&preset.config()) {
+            println!("    {:16}{}", parameter.name.replace('_', "-"), parameter.value);
+        }
+    }
+}

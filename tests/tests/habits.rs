@@ -1,0 +1,207 @@
+//! What people expect of a command: configuration files, presets, many inputs, manual, completions.
+
+use skyfront::write::fits::Writer;
+use skyfront_core::frame::Frame;
+use skyfront_core::simulate::{Kind, Sky};
+use skyfront_tests::command::{Folder, messages, program, skyfront};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+const SIDE: usize = 64;
+
+/// Writes a simulated sky.
+fn sky(path: &str, seed: u32) {
+    let mut sky = Sky::new(Kind::Bright, seed, SIDE, SIDE);
+    let mut writer = Writer::create(Path::new(path)).expect("the file can be made");
+    let row = |y, out: &mut [f32]| {
+        let Ok(()) = sky.row(y, out);
+    };
+    writer.image((SIDE, SIDE), &[], row).expect("the image can be written");
+    writer.finish().expect("the file can be closed");
+}
+
+fn stdout(output: &Output) -> String {
+    assert!(output.status.success(), "{}", messages(output));
+    String::from_utf8(output.stdout.clone()).expect("stdout is text")
+}
+
+fn dumped(options: &[&str]) -> String {
+    stdout(&skyfront(["segment", "--dump-config"].iter().chain(options)))
+}
+
+#[test]
+fn dumped_settings_give_the_same_settings_again() {
+    let folder = Folder::new("dump");
+    let file = folder.file("settings.toml");
+    let cases: [&[&str]; 5] = [
+        &[],
+        &["--preset", "paper-f160"],
+        &["--preset", "paper-real", "--mu", "2", "--hdu", "SCI,2", "--no-pictures"],
+        &["--rescale", "r3", "--tau", "0.25", "--range", "1,99.5", "--scheme", "sl-curvature", "--nu", "1e-5"],
+        &["--preset", "paper-f160", "--rescale", "r2", "--alpha", "0.3", "--edge", "g1", "--p", "10", "--jobs", "3"],
+    ];
+    for options in cases {
+        let first = dumped(options);
+        fs::write(&file, &first).expect("the file can be written");
+        assert_eq!(dumped(&["--config", &file]), first, "{options:?}");
+        for pair in options.windows(2).filter(|pair| pair[0].starts_with("--") && !pair[1].starts_with("--")) {
+            let key = pair[0].trim_start_matches("--");
+            let line = first.lines().find(|line| line.starts_with(&format!("{key} = ")));
+            let line = line.unwrap_or_else(|| panic!("{key} is missing in:\n{first}"));
+            let number = |text: &str| text.parse::<f64>().ok();
+            let value = line.split(" = ").nth(1).expect("a value").trim_matches('"');
+            assert!(value == pair[1] || number(value).is_some() && number(value) == number(pair[1]), "{line}");
+        }
+    }
+}
+
+#[test]
+fn the_command_line_goes_before_the_file_and_the_file_before_the_preset() {
+    let folder = Folder::new("order");
+    let file = folder.file("settings.toml");
+    fs::write(&file, "preset = 'paper-real'\nc2 = 0.5\nfilter_steps = 7\n").expect("the file can be written");
+    let text = dumped(&["--config", &file, "--filter-steps", "9"]);
+    for line in ["preset = \"paper-real\"", "c2 = 0.5", "filter-steps = 9", "alpha = 0.25"] {
+        assert!(text.lines().any(|other| other == line), "'{line}' is not in:\n{text}");
+    }
+}
+
+#[test]
+fn a_bad_configuration_names_file_and_key() {
+    let folder = Folder::new("bad-config");
+    let file = folder.file("settings.toml");
+    let cases = [
+        ("alfa = 0.3", "unknown key 'alfa'"),
+        ("out = 'x'", "unknown key 'out'"),
+        ("alpha = 'much'", "--alpha"),
+        ("scheme = 'upwind'", "fd-curvature"),
+        ("overwrite = 1", "key 'overwrite'"),
+        ("[front]\ndx = 1", "unknown key 'front'"),
+        ("alpha = ", "line 1"),
+    ];
+    for (text, word) in cases {
+        fs::write(&file, text).expect("the file can be written");
+        let output = skyfront(["segment", "x.fits", "--out", "x", "--config", &file]);
+        let message = messages(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}: {message}");
+        assert!(message.contains("settings.toml") && message.contains(word), "{text}: {message}");
+        assert_eq!(message.lines().count(), 1, "{text}: {message}");
+    }
+    let absent = skyfront(["segment", "--dump-config", "--config", &folder.file("absent.toml")]);
+    assert_eq!(absent.status.code(), Some(2));
+    assert!(messages(&absent).contains("absent.toml"));
+}
+
+/// How many images the run over many has; a twentieth of them are broken.
+fn many() -> usize {
+    std::env::var("SKYFRONT_MANY").map_or(60, |number| number.parse().expect("SKYFRONT_MANY is a number"))
+}
+
+/// Runs `skyfront` and watches its greatest resident memory, kB.
+fn watched(arguments: &[&str]) -> (Output, u64) {
+    let child = Command::new(program()).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let child = child.expect("the program can be started");
+    let status = format!("/proc/{}/status", child.id());
+    let watch = std::thread::spawn(move || {
+        let mut most = 0;
+        while let Ok(text) = fs::read_to_string(&status) {
+            let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+            let Some(line) = line else { break };
+            let kilobytes = line.trim().trim_end_matches(" kB").parse().expect("a number of kB");
+            most = std::cmp::max(most, kilobytes);
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        most
+    });
+    let output = child.wait_with_output().expect("the program ends");
+    (output, watch.join().expect("the watch ends"))
+}
+
+#[test]
+fn broken_images_stop_no_others_and_memory_stays_flat() {
+    let folder = Folder::new("many");
+    let images: Vec<String> = (0..many()).map(|n| folder.file(&format!("image{n:04}.fits"))).collect();
+    let broken = |n: usize| n % 20 == 7;
+    for (n, image) in images.iter().enumerate() {
+        if broken(n) {
+            fs::write(image, "SIMPLE  =                    T, but no more").expect("the file can be written");
+        } else {
+            sky(image, n as u32);
+        }
+    }
+    let bad = (0..images.len()).filter(|&n| broken(n)).count();
+    let line = |out: &str, count: usize| {
+        let options = ["segment", "--preset", "paper-f160", "--quiet", "--no-pictures", "--jobs", "2", "--out"];
+        let words = options.into_iter().map(str::to_owned).chain([folder.file(out)]);
+        words.chain(images[..count].iter().cloned()).collect::<Vec<_>>()
+    };
+    let run = |line: &[String]| watched(&line.iter().map(String::as_str).collect::<Vec<_>>());
+    let (_, memory_of_few) = run(&line("few", 20));
+    let (output, memory_of_many) = run(&line("all", images.len()));
+
+    assert_eq!(output.status.code(), Some(1), "{}", messages(&output));
+    let text = messages(&output);
+    assert_eq!(text.lines().count(), bad, "one line for each broken image: {text}");
+    for n in (0..images.len()).filter(|&n| broken(n)) {
+        assert!(text.lines().any(|line| line.contains(&images[n])), "{} is not named in: {text}", images[n]);
+    }
+    let table = fs::read_to_string(folder.file("all/summary.csv")).expect("the table was written");
+    assert_eq!(table.lines().count(), images.len() + 1);
+    for n in 0..images.len() {
+        let name = format!("image{n:04}");
+        let row = table.lines().find(|row| row.contains(&format!(",{name},"))).expect("a row for every image");
+        let results = folder.names(&format!("all/{name}")).len();
+        assert_eq!((results, row.ends_with(',')), if broken(n) { (0, false) } else { (6, true) }, "{row}");
+    }
+    println!("{} images, {bad} broken: {memory_of_few} kB for 20, {memory_of_many} kB for all", images.len());
+    assert!(memory_of_few > 0 && memory_of_many < memory_of_few + 6_000, "{memory_of_few} and {memory_of_many} kB");
+}
+
+#[test]
+fn images_of_one_name_get_their_own_folders_and_the_bytes_of_a_single_run() {
+    let folder = Folder::new("names");
+    for (below, seed) in [("a", 1), ("b", 2)] {
+        fs::create_dir_all(folder.path().join(below)).expect("the folder can be made");
+        sky(&folder.file(&format!("{below}/sky.fits")), seed);
+    }
+    let (one, two) = (folder.file("a/sky.fits"), folder.file("b/sky.fits"));
+    let both = skyfront(["segment", &one, &two, "--jobs", "2", "--out", &folder.file("both"), "--json"]);
+    let lines = stdout(&both);
+    assert_eq!(folder.names("both"), ["sky", "sky-2", "summary.csv"]);
+    assert!(messages(&both).contains("2 images segmented, 0 failed"), "{}", messages(&both));
+    let alone = stdout(&skyfront(["segment", &two, "--out", &folder.file("alone"), "--quiet", "--json"]));
+    let alone: serde_json::Value = serde_json::from_str(&alone).expect("--json prints JSON");
+    let second: serde_json::Value = serde_json::from_str(lines.lines().nth(1).expect("two lines")).expect("JSON");
+    assert_eq!(second["labels_crc32"], alone["labels_crc32"]);
+    let bytes = |file: &str| fs::read(folder.file(file)).expect("the product was written");
+    assert!(bytes("both/sky-2/segmentation.fits") == bytes("alone/segmentation.fits"), "the same map either way");
+}
+
+#[test]
+fn help_manual_and_completions_come_from_the_options() {
+    for words in [["--help"].as_slice(), &["segment", "--help"]] {
+        let help = stdout(&skyfront(words));
+        assert!(help.contains("Exit codes: 0 done; 1 bad input"), "{help}");
+    }
+    assert!(stdout(&skyfront(["man"])).contains("skyfront\\-segment"));
+    assert!(stdout(&skyfront(["man", "segment"])).contains("curvature\\-form"));
+    assert_eq!(skyfront(["man", "nothing"]).status.code(), Some(1));
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        assert!(stdout(&skyfront(["completions", shell])).contains("curvature-form"), "{shell}");
+    }
+    let presets = stdout(&skyfront(["presets"]));
+    for words in ["paper-f160", "paper-real", "c2              0.78"] {
+        assert!(presets.contains(words), "'{words}' is not in:\n{presets}");
+    }
+}
+
+#[test]
+fn verbose_tells_the_stages_and_excludes_quiet() {
+    let folder = Folder::new("verbose");
+    let image = folder.file("sky.fits");
+    sky(&image, 3);
+    let output = skyfront(["segment", &image, "--out", &folder.file("out"), "--verbose"]);
+    assert!(messages(&output).contains("  evolve"), "{}", messages(&output));
+    assert_eq!(skyfront(["segment", &image, "--out", "x", "-v", "-q"]).status.code(), Some(2));
+}

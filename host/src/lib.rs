@@ -1,5 +1,6 @@
 //! The host side of Skyfront: files in, the core at work, files and pictures out.
 
+pub mod arithmetics;
 pub mod catalogue;
 pub mod cli;
 pub mod crosscheck;
@@ -11,4 +12,5 @@ pub mod provenance;
 pub mod read;
 pub mod reference;
 pub mod summary;
+pub mod vectors;
 pub mod write;

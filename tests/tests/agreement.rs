@@ -23,7 +23,7 @@ fn on_the_simulated_scenes() {
             for rescale in [R1, R3] {
                 for scheme in [Scheme::Fd, Scheme::Sl] {
                     let config = Config { rescale, ..Config::PAPER_F160 }.with_scheme(scheme);
-                    let checks = crosscheck(&config, &scene.pixels, scene.width, scene.height, |_, most| most).unwrap();
+                    let checks = crosscheck(&config, &scene.pixels, scene.width, scene.height, |most| most).unwrap();
                     assert_agrees(&format!("{name} {rescale:?} {scheme:?}"), &checks);
                 }
             }

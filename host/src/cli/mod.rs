@@ -40,6 +40,8 @@ enum Command {
     /// Segment images: FITS (also compressed or gzipped), PGM or 16-bit PNG.
     #[command(after_help = EXIT_CODES)]
     Segment(Box<segment::Arguments>),
+    /// Compare the core with an independent f64 implementation of the paper, stage by stage.
+    Crosscheck(Box<crosscheck::Arguments>),
     /// Make a simulated sky and segment it. Without any command this goes into skyfront-out/.
     Demo(demo::Arguments),
     /// List the presets with their settings.
@@ -68,6 +70,7 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn obey(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Some(Command::Segment(arguments)) => return segment::run(&arguments),
+        Some(Command::Crosscheck(arguments)) => crosscheck::run(&arguments)?,
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
         Some(Command::Presets) => presets::run(),
         Some(Command::Man(arguments)) => manual::man(&arguments)?,

@@ -8,10 +8,10 @@ pub use compare::{Comparison, Difference, compare};
 pub use report::{json, table};
 pub use settings::parameters;
 
-use crate::machine::Native;
-use crate::pipeline::{Drive, Segmentation, segment_in};
-use crate::reference::{ReferenceError, run};
-use skyfront_core::arithmetic::{Arithmetic, F32};
+use crate::arithmetics::{self, Task, adapted};
+use crate::pipeline::{Drive, segment_in};
+use crate::reference::{ReferenceError, Stages, run};
+use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::front::Front;
@@ -40,6 +40,11 @@ impl Tolerances {
     /// g1, by p/4. |du| <= 5e-4 is what the project promises.
     pub const F32: Tolerances =
         Tolerances { image: 1e-5, edge: 1e-3, front: 5e-4, steps: 0, pixels: 0, centroid: 1e-3 };
+
+    /// The tolerances of the arithmetic of that name.
+    pub fn of(_arithmetic: &str) -> Tolerances {
+        Tolerances::F32
+    }
 }
 
 /// A comparison with its arithmetic and what it was allowed.
@@ -99,7 +104,8 @@ impl From<Error> for CheckError {
     }
 }
 
-/// Runs one configuration in every arithmetic and in the reference. `tolerances` replaces those of each arithmetic.
+/// Runs one configuration in every arithmetic that serves it, and in the reference. `tolerances` may replace those of
+/// an arithmetic.
 ///
 /// # Errors
 /// What the core or the reference finds wrong with the configuration or the image.
@@ -108,21 +114,43 @@ pub fn crosscheck(
     pixels: &[f32],
     width: usize,
     height: usize,
-    tolerances: impl Fn(&'static str, Tolerances) -> Tolerances,
+    tolerances: impl Fn(Tolerances) -> Tolerances,
 ) -> Result<Vec<Check>, CheckError> {
-    let wide: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
-    let reference = run(&parameters(config), &wide, width, height)?;
-    let unit = f64::from(Front::new(config, width, height).unit);
-    let check = |arithmetic, core: Segmentation, most| Check {
-        arithmetic,
-        comparison: compare(pixels, &core, &reference, unit),
-        tolerances: tolerances(arithmetic, most),
-    };
-    let float = kept::<F32<Native>>(config, pixels, width, height)?;
-    Ok(vec![check(F32::<Native>::NAME, float, Tolerances::F32)])
+    let mut task = CheckTask { config, pixels, size: (width, height), tolerances, reference: None };
+    let checks: Result<Vec<_>, _> = arithmetics::each(&mut task).into_iter().collect();
+    Ok(checks?.into_iter().flatten().collect())
 }
 
-/// The core's run with its stages.
-fn kept<A: Arithmetic>(config: &Config, pixels: &[f32], width: usize, height: usize) -> Result<Segmentation, Error> {
-    segment_in::<A>(config, pixels, width, height, &mut Drive { keep_stages: true, ..Drive::default() })
+/// A check in one arithmetic after the other, with the reference run of the last one: most share it.
+struct CheckTask<'a, F> {
+    config: &'a Config,
+    pixels: &'a [f32],
+    size: (usize, usize),
+    tolerances: F,
+    reference: Option<(Config, Stages)>,
+}
+
+impl<F: Fn(Tolerances) -> Tolerances> Task for CheckTask<'_, F> {
+    type Output = Result<Option<Check>, CheckError>;
+
+    fn run<A: Arithmetic>(&mut self) -> Self::Output {
+        let (width, height) = self.size;
+        let config = adapted::<A>(self.config);
+        let mut drive = Drive { keep_stages: true, ..Drive::default() };
+        let core = match segment_in::<A>(&config, self.pixels, width, height, &mut drive) {
+            Err(Error::Arithmetic { .. }) => return Ok(None),
+            core => core?,
+        };
+        if self.reference.as_ref().is_none_or(|(same, _)| *same != config) {
+            let wide: Vec<f64> = self.pixels.iter().map(|&v| v.into()).collect();
+            self.reference = Some((config, run(&parameters(&config), &wide, width, height)?));
+        }
+        let unit = f64::from(Front::new(&config, width, height).unit);
+        let reference = self.reference.as_ref().map(|(_, stages)| stages);
+        Ok(reference.map(|stages| Check {
+            arithmetic: A::NAME,
+            comparison: compare(self.pixels, &core, stages, unit),
+            tolerances: (self.tolerances)(Tolerances::of(A::NAME)),
+        }))
+    }
 }

@@ -1,5 +1,6 @@
 //! The core's configuration in the words of the reference.
 
+use crate::provenance::shortest as decimal;
 use crate::reference as r;
 use skyfront_core::config as c;
 
@@ -82,9 +83,4 @@ fn filter(config: &c::Config) -> r::Filter {
             dt,
         },
     }
-}
-
-/// The shortest decimal number that is this `f32`.
-fn decimal(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or(f64::from(value))
 }

@@ -1,0 +1,222 @@
+//! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
+
+use super::Options;
+use super::options::SchemeOption;
+use crate::crosscheck::{Tolerances, crosscheck, json, table};
+use crate::provenance::scheme_name;
+use crate::read::{self, HduChoice, Image};
+use crate::vectors::{self, INPUT, MANIFEST, Trace};
+use crate::write::Products;
+use anyhow::{Context, Result, bail};
+use clap::{Args, Parser, ValueEnum};
+use serde_json::{Value, json};
+use skyfront_core::config::Config;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The image: FITS (also .gz, .fz), PGM or PNG.
+    #[arg(required_unless_present = "from_vectors")]
+    image: Option<PathBuf>,
+    /// HDU of the image: a number (0 = primary) or a name [default: the first 2-D image].
+    #[arg(long, value_name = "N|NAME")]
+    hdu: Option<HduChoice>,
+    /// Without --scheme, every scheme is checked at the paper's time step for it.
+    #[command(flatten)]
+    options: Options,
+    #[command(flatten)]
+    limits: Limits,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+    /// Write the image, the parameters and every stage of the core's runs into this folder.
+    #[arg(long, value_name = "DIR")]
+    vectors: Option<PathBuf>,
+    /// Replace vectors that exist.
+    #[arg(long)]
+    overwrite: bool,
+    /// Instead of an image: run what such a folder describes and compare every stage with it, bit by bit.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["image", "hdu", "vectors"])]
+    from_vectors: Option<PathBuf>,
+}
+
+/// Limits that take the place of those of each arithmetic.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Tolerances")]
+struct Limits {
+    /// Largest difference of normalised, rescaled and filtered values [default: 1e-5 in f32].
+    #[arg(long, value_name = "X")]
+    max_image: Option<f64>,
+    /// Largest difference of the edge detector [default: 1e-3 in f32].
+    #[arg(long, value_name = "X")]
+    max_edge: Option<f64>,
+    /// Largest difference of the front, in units of the paper's u [default: 5e-4 in f32].
+    #[arg(long, value_name = "X")]
+    max_front: Option<f64>,
+    /// Steps that one may take more than the other [default: 0 in f32].
+    #[arg(long, value_name = "N")]
+    max_steps: Option<u32>,
+    /// Pixels of the mask, and labels, that may differ [default: 0 in f32].
+    #[arg(long, value_name = "N")]
+    max_pixels: Option<usize>,
+    /// Largest shift of a centroid, pixels [default: 1e-3 in f32].
+    #[arg(long, value_name = "PX")]
+    max_centroid: Option<f64>,
+}
+
+impl Limits {
+    fn apply(&self, given: Tolerances) -> Tolerances {
+        Tolerances {
+            image: self.max_image.unwrap_or(given.image),
+            edge: self.max_edge.unwrap_or(given.edge),
+            front: self.max_front.unwrap_or(given.front),
+            steps: self.max_steps.unwrap_or(given.steps),
+            pixels: self.max_pixels.unwrap_or(given.pixels),
+            centroid: self.max_centroid.unwrap_or(given.centroid),
+        }
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    match (&arguments.from_vectors, &arguments.image) {
+        (Some(folder), _) => replay(folder),
+        (None, Some(path)) => {
+            let image = read::image(path, arguments.hdu.as_ref())?;
+            let configs = configs(&arguments.options);
+            if let Some(folder) = &arguments.vectors {
+                export(folder, &configs, &image, arguments.overwrite)?;
+            }
+            check(arguments, &configs, &image, &path.display().to_string())
+        }
+        (None, None) => bail!("an image or --from-vectors is wanted"),
+    }
+}
+
+/// One configuration a scheme: the chosen one, or all.
+fn configs(options: &Options) -> Vec<Config> {
+    let schemes = options.scheme.map_or(SchemeOption::value_variants().to_vec(), |scheme| vec![scheme]);
+    schemes.into_iter().map(|scheme| Options { scheme: Some(scheme), ..options.clone() }.config()).collect()
+}
+
+fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -> Result<()> {
+    let (mut results, mut failed, mut made) = (Vec::new(), 0, 0);
+    for config in configs {
+        let scheme = scheme_name(config.scheme);
+        let checks =
+            crosscheck(config, &image.pixels, image.width, image.height, |given| arguments.limits.apply(given))
+                .with_context(|| format!("{name}: {scheme}"))?;
+        failed += checks.iter().filter(|check| !check.failures().is_empty()).count();
+        made += checks.len();
+        if arguments.json {
+            results.extend(checks.iter().map(|check| json(scheme, check)));
+        } else {
+            print!("{}", table(scheme, &checks));
+        }
+    }
+    if arguments.json {
+        println!("{:#}", json!({ "input": name, "passed": failed == 0, "checks": results }));
+    }
+    if failed > 0 {
+        bail!("{name}: {failed} of {made} checks exceed a tolerance");
+    }
+    Ok(())
+}
+
+fn export(folder: &Path, configs: &[Config], image: &Image, overwrite: bool) -> Result<()> {
+    let (width, height) = (image.width, image.height);
+    let runs: Result<Vec<(&Config, Vec<Trace>)>> =
+        configs.iter().map(|config| Ok((config, vectors::traces(config, &image.pixels, width, height)?))).collect();
+    let runs = runs?;
+    let mut files = vec![(INPUT.to_owned(), vectors::input_bytes(&image.pixels))];
+    let manifest = json!({
+        "program": concat!("skyfront ", env!("CARGO_PKG_VERSION")),
+        "width": width,
+        "height": height,
+        "input": { "file": INPUT, "crc32": vectors::crc(&files[0].1) },
+        "configurations": runs.iter().map(|(config, traces)| vectors::describe(config, traces)).collect::<Vec<_>>(),
+    });
+    for (config, traces) in &runs {
+        for trace in traces {
+            let planes = trace.planes.iter();
+            files.extend(planes.map(|p| (vectors::file_name(config.scheme, trace.arithmetic, p), p.bytes.clone())));
+        }
+    }
+    files.push((MANIFEST.to_owned(), format!("{manifest:#}\n").into_bytes()));
+    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let mut products = Products::plan(folder, &names, overwrite)?;
+    for (name, bytes) in &files {
+        products.write(name, |out| out.write_all(bytes))?;
+    }
+    products.publish()?;
+    eprintln!("{} files in {}", files.len(), folder.display());
+    Ok(())
+}
+
+/// The options of a configuration in a manifest, as on a command line.
+#[derive(Parser)]
+#[command(no_binary_name = true)]
+struct Line {
+    #[command(flatten)]
+    options: Options,
+}
+
+fn replay(folder: &Path) -> Result<()> {
+    let path = folder.join(MANIFEST);
+    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let manifest: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+    let side = |name: &str| manifest[name].as_u64().and_then(|n| usize::try_from(n).ok());
+    let (Some(width), Some(height)) = (side("width"), side("height")) else {
+        bail!("{}: no width and height", path.display());
+    };
+    let bytes = std::fs::read(folder.join(INPUT)).with_context(|| folder.join(INPUT).display().to_string())?;
+    if manifest["input"]["crc32"] != vectors::crc(&bytes) || Some(bytes.len()) != width.checked_mul(4 * height) {
+        bail!("{}: not the image that {MANIFEST} describes", folder.join(INPUT).display());
+    }
+    let (samples, _) = bytes.as_chunks::<4>();
+    let pixels: Vec<f32> = samples.iter().map(|&sample| f32::from_le_bytes(sample)).collect();
+    let (mut compared, mut problems) = (0, Vec::new());
+    for configuration in manifest["configurations"].as_array().into_iter().flatten() {
+        let config = configuration_of(&configuration["options"])?;
+        for run in configuration["runs"].as_array().into_iter().flatten() {
+            let arithmetic = run["arithmetic"].as_str().unwrap_or_default();
+            let caption = format!("{} {arithmetic}", scheme_name(config.scheme));
+            compared += 1;
+            match vectors::trace(arithmetic, &config, &pixels, width, height)? {
+                None => problems.push(format!("{caption}: this program has no such arithmetic or cannot serve it")),
+                Some(trace) => problems.extend(first_difference(run, &trace).map(|what| format!("{caption}: {what}"))),
+            }
+        }
+    }
+    problems.iter().for_each(|problem| println!("{problem}"));
+    if compared == 0 {
+        bail!("{}: no run to replay", path.display());
+    }
+    if !problems.is_empty() {
+        bail!("{}: {} of {compared} runs differ", folder.display(), problems.len());
+    }
+    println!("{compared} runs give the same bits in every stage");
+    Ok(())
+}
+
+/// The configuration that the options of a manifest amount to.
+fn configuration_of(options: &Value) -> Result<Config> {
+    let options = options.as_object().context("a configuration without options")?;
+    // What cannot be asked for on the command line is not in a vector either.
+    let asked = options.iter().filter(|(name, value)| *name != "start" && !(*name == "band" && *value == "none"));
+    let line = asked.flat_map(|(name, value)| {
+        let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        [format!("--{name}"), value]
+    });
+    Ok(Line::try_parse_from(line).context("options of the vectors")?.options.config())
+}
+
+/// The first stage of a run in a manifest whose digest is not that of the trace.
+fn first_difference(run: &Value, trace: &Trace) -> Option<String> {
+    let stages = run["stages"].as_array().map_or(&[][..], Vec::as_slice);
+    if stages.len() != trace.planes.len() {
+        return Some(format!("{} stages, not {}", trace.planes.len(), stages.len()));
+    }
+    let mut pairs = stages.iter().zip(&trace.planes);
+    let (wanted, plane) = pairs.find(|(wanted, plane)| wanted["crc32"] != vectors::crc(&plane.bytes))?;
+    Some(format!("{} is {}, not {}", plane.name, vectors::crc(&plane.bytes), wanted["crc32"]))
+}

@@ -40,26 +40,29 @@ pub struct Arguments {
     from_vectors: Option<PathBuf>,
 }
 
-/// Limits that take the place of those of each arithmetic.
+/// Limits that take the place of those of every arithmetic.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Tolerances")]
+#[command(next_help_heading = "Tolerances [defaults: f32, q24, q11]")]
 struct Limits {
-    /// Largest difference of normalised, rescaled and filtered values [default: 1e-5 in f32].
+    /// Largest difference of normalised values [1e-6, 1e-6, 6.2e-5].
     #[arg(long, value_name = "X")]
-    max_image: Option<f64>,
-    /// Largest difference of the edge detector [default: 1e-3 in f32].
+    max_normalised: Option<f64>,
+    /// Largest difference of rescaled and filtered values [1e-4, 0.12, 0.3].
+    #[arg(long, value_name = "X")]
+    max_rescaled: Option<f64>,
+    /// Largest difference of the edge detector [1e-3, 0.02, 0.2].
     #[arg(long, value_name = "X")]
     max_edge: Option<f64>,
-    /// Largest difference of the front, in units of the paper's u [default: 5e-4 in f32].
+    /// Largest difference of the front, in units of the paper's u [5e-4, 5e-3, 0.05].
     #[arg(long, value_name = "X")]
     max_front: Option<f64>,
-    /// Steps that one may take more than the other [default: 0 in f32].
+    /// Steps that one may take more than the other [0, 3, 25].
     #[arg(long, value_name = "N")]
     max_steps: Option<u32>,
-    /// Pixels of the mask, and labels, that may differ [default: 0 in f32].
+    /// Pixels of the mask, and labels, that may differ [0, 3, 0.2 % of the image].
     #[arg(long, value_name = "N")]
     max_pixels: Option<usize>,
-    /// Largest shift of a centroid, pixels [default: 1e-3 in f32].
+    /// Largest shift of a centroid, pixels [1e-3, 0.1, 0.5].
     #[arg(long, value_name = "PX")]
     max_centroid: Option<f64>,
 }
@@ -67,7 +70,8 @@ struct Limits {
 impl Limits {
     fn apply(&self, given: Tolerances) -> Tolerances {
         Tolerances {
-            image: self.max_image.unwrap_or(given.image),
+            normalised: self.max_normalised.unwrap_or(given.normalised),
+            rescaled: self.max_rescaled.unwrap_or(given.rescaled),
             edge: self.max_edge.unwrap_or(given.edge),
             front: self.max_front.unwrap_or(given.front),
             steps: self.max_steps.unwrap_or(given.steps),

@@ -3,6 +3,7 @@
 //! Results go to files, messages to stderr.
 
 mod batch;
+mod crosscheck;
 mod demo;
 mod folders;
 mod job;

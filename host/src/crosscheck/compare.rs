@@ -2,6 +2,7 @@
 
 use crate::pipeline::{Segmentation, StagePlanes};
 use crate::reference::{Stages, centroids};
+use std::collections::BTreeMap;
 
 /// Difference of two planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,10 +28,10 @@ pub struct Comparison {
     pub sources: (u32, u32),
     /// Pixels that only one of them puts into a source or leaves out by its size.
     pub mask_pixels: usize,
-    /// Pixels with another label.
+    /// Pixels with another label, where sources that share most pixels count as the same.
     pub label_pixels: usize,
     /// The farthest that a centroid of the core lies from that of the source it shares most pixels with, in pixels;
-    /// infinite for a source of the core without a pixel in one of the reference.
+    /// infinite for a source of the core that has no pixel in one of the reference.
     pub centroid_shift: f64,
 }
 
@@ -49,6 +50,7 @@ pub fn compare(pixels: &[f32], core: &Segmentation, reference: &Stages, unit: f6
     ];
     let stages = stages.into_iter().filter(|(_, plane, ..)| !plane.is_empty());
     let labels = core.labels.iter().zip(&reference.labels);
+    let partners = partners(core, reference);
     Comparison {
         stages: stages
             .map(|(stage, core, reference, unit)| difference(stage, core, reference.values(), unit))
@@ -57,8 +59,8 @@ pub fn compare(pixels: &[f32], core: &Segmentation, reference: &Stages, unit: f6
         t: (f64::from(core.outcome.steps) * reference.t / f64::from(reference.steps), reference.t),
         sources: (core.outcome.sources, reference.sources),
         mask_pixels: labels.clone().filter(|&(&a, &b)| (a == 0) != (b == 0)).count(),
-        label_pixels: labels.filter(|(a, b)| a != b).count(),
-        centroid_shift: centroid_shift(pixels, core, reference),
+        label_pixels: labels.filter(|&(&a, &b)| partners.get(a as usize).copied().flatten().unwrap_or(0) != b).count(),
+        centroid_shift: centroid_shift(pixels, core, reference, &partners),
     }
 }
 
@@ -72,21 +74,23 @@ fn difference(stage: &'static str, core: &[f32], reference: &[f64], unit: f64) -
     Difference { stage, max, rms: (squares / reference.len() as f64).sqrt() }
 }
 
-fn centroid_shift(pixels: &[f32], core: &Segmentation, reference: &Stages) -> f64 {
+/// For each label of the core (from 0), the source of the reference that shares most pixels with it.
+fn partners(core: &Segmentation, reference: &Stages) -> Vec<Option<u32>> {
+    let mut shared = vec![BTreeMap::<u32, usize>::new(); core.outcome.sources as usize + 1];
+    for (&label, &other) in core.labels.iter().zip(&reference.labels).filter(|(a, b)| **a != 0 && **b != 0) {
+        *shared[label as usize].entry(other).or_default() += 1;
+    }
+    let most =
+        |counts: &BTreeMap<u32, usize>| counts.iter().max_by_key(|&(_, pixels)| *pixels).map(|(&label, _)| label);
+    shared.iter().map(most).collect()
+}
+
+fn centroid_shift(pixels: &[f32], core: &Segmentation, reference: &Stages, partners: &[Option<u32>]) -> f64 {
     let pixels: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
     let truth = centroids(&reference.labels, reference.sources, &pixels, core.width, reference.range.0);
-    let mut shared = vec![std::collections::BTreeMap::<u32, usize>::new(); core.sources.len()];
-    for (&label, &other) in core.labels.iter().zip(&reference.labels) {
-        if other != 0
-            && let Some(partners) = (label as usize).checked_sub(1).and_then(|source| shared.get_mut(source))
-        {
-            *partners.entry(other).or_default() += 1;
-        }
-    }
-    let shifts = core.sources.iter().zip(&shared).map(|(source, partners)| {
-        let partner = partners.iter().max_by_key(|&(_, pixels)| *pixels);
+    let shifts = core.sources.iter().map(|source| {
         let (x, y) = source.centroid();
-        partner.map_or(f64::INFINITY, |(&label, _)| {
+        partners[source.label as usize].map_or(f64::INFINITY, |label| {
             let (tx, ty) = truth[label as usize - 1];
             (f64::from(x) - tx).hypot(f64::from(y) - ty)
         })

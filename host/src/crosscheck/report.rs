@@ -47,7 +47,8 @@ pub fn json(scheme: &str, check: &Check) -> Value {
         "label_pixels": c.label_pixels,
         "centroid_shift": c.centroid_shift,
         "tolerances": {
-            "image": t.image,
+            "normalised": t.normalised,
+            "rescaled": t.rescaled,
             "edge": t.edge,
             "front": t.front,
             "steps": t.steps,

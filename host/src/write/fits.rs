@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::entry::{self, Entry, Value};
 use super::error::WriteError;
-use super::native::{Field, Handle, Native};
+use super::native::{Failure, Field, Handle, Native};
 
 /// A FITS file that is being written: HDUs are appended, [`finish`](Self::finish) completes it.
 pub struct Writer {
@@ -113,7 +113,7 @@ impl Writer {
         self.try_do(|handle| {
             let rows = columns.first().map_or(0, |column| column.data.len());
             if let Some(odd) = columns.iter().find(|column| column.data.len() != rows) {
-                return Err(format!("column {} has {} rows, not {rows}", odd.name, odd.data.len()));
+                return Err(Failure::Library(format!("column {} has {} rows, not {rows}", odd.name, odd.data.len())));
             }
             let fields: Vec<Field<'_>> = columns
                 .iter()
@@ -137,16 +137,19 @@ impl Writer {
         handle.close().map_err(|reason| failure(&path, reason))
     }
 
-    fn try_do(&mut self, work: impl FnOnce(&mut Handle) -> Result<(), String>) -> Result<(), WriteError> {
+    fn try_do(&mut self, work: impl FnOnce(&mut Handle) -> Result<(), Failure>) -> Result<(), WriteError> {
         work(&mut self.handle).map_err(|reason| failure(&self.path, reason))
     }
 }
 
-fn failure(path: &Path, reason: String) -> WriteError {
-    WriteError::Fits { file: path.to_owned(), reason }
+fn failure(path: &Path, reason: Failure) -> WriteError {
+    match reason {
+        Failure::System(reason) => WriteError::io(path, reason),
+        Failure::Library(reason) => WriteError::Fits { file: path.to_owned(), reason },
+    }
 }
 
-fn write_column(handle: &mut Handle, number: usize, data: ColumnData<'_>) -> Result<(), String> {
+fn write_column(handle: &mut Handle, number: usize, data: ColumnData<'_>) -> Result<(), Failure> {
     if data.len() == 0 {
         return Ok(());
     }
@@ -158,7 +161,7 @@ fn write_column(handle: &mut Handle, number: usize, data: ColumnData<'_>) -> Res
     }
 }
 
-fn write_entries(handle: &mut Handle, entries: &[Entry]) -> Result<(), String> {
+fn write_entries(handle: &mut Handle, entries: &[Entry]) -> Result<(), Failure> {
     entries.iter().try_for_each(|entry| match entry {
         Entry::Copy(card) => handle.card(card.text().trim_end()),
         Entry::Key(keyword, value, comment) => match entry::fixed_card(keyword, value, comment) {

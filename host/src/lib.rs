@@ -11,6 +11,7 @@ pub mod pipeline;
 pub mod provenance;
 pub mod read;
 pub mod reference;
+pub mod sky;
 pub mod summary;
 pub mod vectors;
 pub mod write;

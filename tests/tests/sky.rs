@@ -1,0 +1,165 @@
+//! Sky coordinates against astropy.
+//!
+//! The numbers come from astropy 8.0.2 on the same header texts: `WCS(header).all_pix2world(.., 1)`,
+//! and `SkyCoord.position_angle` between two points 0.005 pixels to both sides. Tolerances are
+//! 1e-3 arcsec and 1e-3 degrees.
+
+use skyfront::read::{Card, Header};
+use skyfront::sky::Sky;
+
+const SIP: &str = "\
+CTYPE1  = 'RA---TAN-SIP'
+CTYPE2  = 'DEC--TAN-SIP'
+CRPIX1  = 480.3
+CRPIX2  = 410.7
+CRVAL1  = 10.0
+CRVAL2  = 41.0
+CD1_1   = -9.9E-4
+CD1_2   = 2.0E-5
+CD2_1   = 3.0E-5
+CD2_2   = 1.01E-3
+A_ORDER = 3
+A_2_0   = 2.0E-5
+A_0_2   = -1.0E-5
+A_1_1   = 3.0E-5
+A_3_0   = 1.0E-8
+A_1_2   = -2.0E-8
+B_ORDER = 3
+B_2_0   = 1.0E-5
+B_1_1   = -2.0E-5
+B_0_3   = 3.0E-8
+B_2_1   = 2.0E-8";
+
+const TPV: &str = "\
+CTYPE1  = 'RA---TPV'
+CTYPE2  = 'DEC--TPV'
+CRPIX1  = -2000.5
+CRPIX2  = 3000.25
+CRVAL1  = 148.3
+CRVAL2  = 1.7
+CD1_1   = -1.1E-7
+CD1_2   = 7.3E-5
+CD2_1   = 7.3E-5
+CD2_2   = 1.1E-7
+PV1_0   = 0.002
+PV1_1   = 1.0097
+PV1_2   = 0.00017
+PV1_4   = 0.0078
+PV1_5   = 0.0006
+PV1_6   = -0.0007
+PV1_7   = 0.0013
+PV1_10  = -0.0047
+PV1_11  = 0.003
+PV1_12  = 0.02
+PV1_22  = 0.05
+PV1_39  = 0.4
+PV2_1   = 1.0066
+PV2_2   = 0.0003
+PV2_4   = -0.0004
+PV2_7   = -0.007
+PV2_9   = -0.0008
+PV2_23  = -0.04
+PV2_31  = 0.3";
+
+const SWAPPED: &str = "\
+CTYPE1  = 'DEC--TAN'
+CTYPE2  = 'RA---TAN'
+CRPIX1  = 369.5
+CRPIX2  = 240.5
+CRVAL1  = -58.6
+CRVAL2  = 159.2
+CDELT1  = 1.6829E-4
+CDELT2  = 1.6829E-4
+PC1_1   = 0.9757
+PC1_2   = -0.2189
+PC2_1   = 0.2189
+PC2_2   = 0.9757
+RADESYS = 'FK5'";
+
+const SIN: &str = "\
+CTYPE1  = 'RA---SIN'
+CTYPE2  = 'DEC--SIN'
+CRPIX1  = 20.0
+CRPIX2  = 30.0
+CRVAL1  = 359.99
+CRVAL2  = -59.7
+CDELT1  = -0.002
+CDELT2  = 0.002
+CROTA2  = 33.0
+LONPOLE = 150.0
+EQUINOX = 1950.0";
+
+fn header(text: &str) -> Header {
+    Header::new(text.lines().map(Card::new).collect())
+}
+
+/// Header, frame, and for two FITS pixels (x, y): ra, dec, position angle of the direction 0.5 rad.
+type Known = (&'static str, &'static str, [[f64; 5]; 2]);
+
+const KNOWN: [Known; 4] = [
+    (
+        SIP,
+        "icrs",
+        [[1.0, 1.0, 10.6015251249, 40.5649204346, 122.9951], [250.25, 777.5, 10.3164059864, 41.3671849804, 120.8051]],
+    ),
+    (
+        TPV,
+        "icrs",
+        [[1.0, 1.0, 148.0810730884, 1.8465762754, 28.5367], [250.25, 777.5, 148.1380742095, 1.8650159449, 28.5803]],
+    ),
+    (
+        SWAPPED,
+        "fk5",
+        [[1.0, 1.0, 159.0983141150, -58.6516449352, 41.3797], [250.25, 777.5, 159.3609890941, -58.6392627715, 41.1555]],
+    ),
+    (
+        SIN,
+        "fk4",
+        [[1.0, 1.0, 0.1265920149, -59.6924022611, 55.5300], [250.25, 777.5, 356.9614208336, -59.3964163794, 58.2695]],
+    ),
+];
+
+#[test]
+fn positions_and_angles_are_those_of_astropy() {
+    for (text, frame, points) in KNOWN {
+        let sky = Sky::of(&header(text)).expect("a supported header").expect("a celestial header");
+        assert_eq!(sky.frame().name(), frame);
+        for [x, y, ra, dec, angle] in points {
+            let found = sky.position(x - 1.0, y - 1.0).expect("a place on the sky");
+            let east = (found.0 - ra) * dec.to_radians().cos() * 3600.0;
+            let north = (found.1 - dec) * 3600.0;
+            assert!(east.hypot(north) < 1e-3, "{text}\n{found:?}, {:e} arcsec off", east.hypot(north));
+            let found = sky.position_angle(x - 1.0, y - 1.0, 0.5).expect("an angle on the sky");
+            assert!((found - angle).abs() < 1e-3, "{text}\n{found} is not {angle}");
+        }
+    }
+}
+
+#[test]
+fn what_is_not_supported_is_refused_by_name() {
+    let cases = [
+        (SIP.replace("TAN-SIP", "TAN"), "without -SIP"),
+        (SIP.replace("A_ORDER = 3", "A_ORDER = 12"), "A_ORDER"),
+        (SIP.replace("TAN-SIP", "TNX"), "TNX"),
+        (format!("{SIP}\nCPDIS1  = 'Lookup'"), "CPDIS1"),
+        (format!("{SIP}\nD2IMDIS1= 'Lookup'"), "D2IMDIS1"),
+        (TPV.replace("TPV", "TAN"), "PV1_0"),
+        (SWAPPED.replace("DEC--TAN", "FREQ"), "FREQ"),
+        (SWAPPED.replace("FK5", "GAPPT"), "GAPPT"),
+        (SIN.replace("1950.0", "1975.0"), "1975"),
+        (SIN.replace("RA---", "GLON-").replace("DEC--", "GLAT-"), "GLON-SIN"),
+        (format!("{SIN}\nCUNIT1  = 'arcsec'"), "arcsec"),
+        (SIN.replace("CDELT2  = 0.002", "CDELT2  = 0.0"), "inverse"),
+    ];
+    for (text, word) in cases {
+        let reason = Sky::of(&header(&text)).expect_err(word);
+        assert!(reason.contains(word), "{reason}");
+    }
+}
+
+#[test]
+fn a_header_without_celestial_axes_has_no_coordinates() {
+    for text in ["", "CTYPE1  = 'LINEAR'\nCTYPE2  = 'LINEAR'", "CRVAL1  = 10.0", "CTYPE1  = ''\nCTYPE2  = ''"] {
+        assert!(Sky::of(&header(text)).expect("no distortion").is_none(), "{text}");
+    }
+}

@@ -22,6 +22,7 @@ pub mod digest;
 pub mod edge;
 pub mod error;
 pub mod filter;
+pub mod flags;
 pub mod frame;
 pub mod front;
 pub mod label;

@@ -5,6 +5,7 @@ pub mod catalogue;
 pub mod cli;
 pub mod crosscheck;
 pub mod machine;
+pub mod measure;
 pub mod outputs;
 pub mod picture;
 pub mod pipeline;

@@ -1,0 +1,86 @@
+//! A quantity that is known for every pixel: one number, or a map of the image's shape.
+
+use std::borrow::Cow;
+
+/// Background or noise of an image.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Level<'a> {
+    /// The same everywhere.
+    Constant(f64),
+    /// One value a pixel, row-major.
+    Map(Cow<'a, [f32]>),
+}
+
+impl Level<'_> {
+    /// The value at a pixel index; NaN beyond a map.
+    pub fn at(&self, index: usize) -> f64 {
+        match self {
+            Level::Constant(value) => *value,
+            Level::Map(map) => map.get(index).map_or(f64::NAN, |&value| f64::from(value)),
+        }
+    }
+}
+
+/// At most so many pixels are looked at for an estimate.
+const SAMPLE: usize = 200_000;
+/// Rounds of clipping at three standard deviations.
+const ROUNDS: usize = 5;
+/// From a median absolute deviation to a standard deviation, for Gaussian noise.
+const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+
+/// Background and noise of the pixels that belong to no source: median, and standard deviation
+/// from the median absolute deviation, after clipping; (0, 0) where there are no such pixels.
+pub fn estimate(pixels: &[f32], labels: &[u32]) -> (f64, f64) {
+    let sky = || pixels.iter().zip(labels).filter(|(pixel, label)| **label == 0 && pixel.is_finite());
+    let step = sky().count().div_ceil(SAMPLE).max(1);
+    let mut sample: Vec<f64> = sky().step_by(step).map(|(&pixel, _)| f64::from(pixel)).collect();
+    sample.sort_unstable_by(f64::total_cmp);
+    let mut sample = sample.as_slice();
+    let (mut middle, mut sigma) = spread(sample);
+    for _ in 0..ROUNDS {
+        let (low, high) = (middle - 3.0 * sigma, middle + 3.0 * sigma);
+        let kept = sample.partition_point(|&value| value < low)..sample.partition_point(|&value| value <= high);
+        if kept.len() == sample.len() || kept.is_empty() {
+            break;
+        }
+        sample = &sample[kept];
+        (middle, sigma) = spread(sample);
+    }
+    (middle, sigma)
+}
+
+/// Median and standard deviation of a sorted sample.
+fn spread(sorted: &[f64]) -> (f64, f64) {
+    let middle = median(sorted);
+    let mut distances: Vec<f64> = sorted.iter().map(|value| (value - middle).abs()).collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    (middle, MAD_TO_SIGMA * median(&distances))
+}
+
+fn median(sorted: &[f64]) -> f64 {
+    let half = sorted.len() / 2;
+    match sorted.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => sorted[half],
+        _ => 0.5 * (sorted[half - 1] + sorted[half]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sky_beside_a_source() {
+        let pixels = [1.0, 2.0, 3.0, 100.0, f32::NAN];
+        // Sorted sky: 1 2 3; distances from 2: 0 1 1.
+        assert_eq!(estimate(&pixels, &[0, 0, 0, 7, 0]), (2.0, MAD_TO_SIGMA));
+        assert_eq!(estimate(&pixels, &[1; 5]), (0.0, 0.0));
+    }
+
+    #[test]
+    fn an_outlier_is_clipped() {
+        let pixels: Vec<f32> = (0..100).map(|i| (i % 5) as f32).chain([1e6]).collect();
+        assert_eq!(estimate(&pixels, &vec![0; 101]).0, 2.0);
+    }
+}

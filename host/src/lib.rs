@@ -6,6 +6,7 @@ pub mod cli;
 pub mod crosscheck;
 pub mod machine;
 pub mod measure;
+pub mod outline;
 pub mod outputs;
 pub mod picture;
 pub mod pipeline;

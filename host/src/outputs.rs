@@ -1,6 +1,7 @@
 //! The files of a run.
 
-use crate::catalogue;
+use crate::catalogue::{Catalogue, Request};
+use crate::outline;
 use crate::picture;
 use crate::pipeline::Segmentation;
 use crate::provenance;
@@ -8,15 +9,16 @@ use crate::read::Image;
 use crate::summary::summary;
 use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError, wcs};
+use serde_json::json;
 use skyfront_core::config::Config;
 
-/// Names of the data products, in the order of writing.
-pub const DATA: [&str; 6] =
-    ["segmentation.fits", "segmented.fits", "front.fits", "catalog.csv", "catalog.fits", "summary.json"];
+/// Names of the data products beside the catalogue, in the order of writing.
+pub const DATA: [&str; 4] = ["segmentation.fits", "segmented.fits", "front.fits", "summary.json"];
 /// Names of the pictures.
 pub const PICTURES: [&str; 2] = ["stages.png", "overlay.png"];
 
-/// Writes every product of a run under its temporary name; gives what summary.json holds.
+/// Writes every product of a run under its temporary name; gives what summary.json holds, and
+/// warnings.
 ///
 /// # Errors
 /// The first product that could not be written.
@@ -26,7 +28,8 @@ pub fn write(
     input: &str,
     image: &Image,
     run: &Segmentation,
-) -> Result<serde_json::Value, WriteError> {
+    request: &Request,
+) -> Result<(serde_json::Value, Vec<String>), WriteError> {
     let mut header = wcs::entries(&image.header);
     let provenance = provenance::entries(config, input, image.checksum);
     header.extend(provenance.iter().cloned());
@@ -44,9 +47,15 @@ pub fn write(
         label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
     })?;
     write_plane(products, "front.fits", (width, height), &header, |index| run.front[index])?;
-    products.write("catalog.csv", |out| catalogue::write_csv(&run.sources, out))?;
-    products.write_path("catalog.fits", |path| catalogue::write_fits(&run.sources, &provenance, path))?;
-    let summary = summary(config, input, image, run);
+    let catalogue = Catalogue::of(image, run, &request.extras);
+    for &format in &request.formats {
+        catalogue.write(format, &provenance, products)?;
+    }
+    write_outlines(products, config, run, request, &catalogue)?;
+    let mut summary = summary(config, input, image, run);
+    let warnings: Vec<String> = catalogue.warnings().collect();
+    summary["measuring"] = catalogue.settings();
+    summary["catalogue_warnings"] = json!(warnings);
     products.write("summary.json", |out| writeln!(out, "{summary:#}"))?;
     if let Some(planes) = &run.stages {
         let stages = picture::stages(run, planes);
@@ -54,7 +63,31 @@ pub fn write(
         let overlay = picture::overlay(&image.pixels, &run.labels, width, height, &run.sources);
         products.write("overlay.png", |out| overlay.write_png(out))?;
     }
-    Ok(summary)
+    Ok((summary, warnings))
+}
+
+/// The outlines of the sources, in the files that are wanted.
+fn write_outlines(
+    products: &mut Products,
+    config: &Config,
+    run: &Segmentation,
+    request: &Request,
+    catalogue: &Catalogue,
+) -> Result<(), WriteError> {
+    if !request.regions && !request.polygons {
+        return Ok(());
+    }
+    let rings = outline::rings(&run.labels, &run.front, run.width, run.height, config.connectivity);
+    if request.regions {
+        products.write(outline::REGIONS[0], |out| outline::write_regions(&rings, None, out))?;
+        if let Some(sky) = &catalogue.sky {
+            products.write(outline::REGIONS[1], |out| outline::write_regions(&rings, Some(sky), out))?;
+        }
+    }
+    if request.polygons {
+        products.write(outline::POLYGONS, |out| outline::write_polygons(&rings, catalogue.sky.as_ref(), out))?;
+    }
+    Ok(())
 }
 
 fn with_unit(header: &[Entry], unit: &str) -> Vec<Entry> {

@@ -56,8 +56,9 @@ fn one(arguments: &Arguments, config: &Config, path: &Path, folder: &str, bar: &
 fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path, bar: &ProgressBar) -> Result<Value> {
     let name = path.display().to_string();
     let image = arguments.read(path)?;
-    let products = plan(folder, arguments.manner(), &[])?;
-    let done = process(config, &name, &image, products, arguments.manner(), &mut |_| ())?;
+    let manner = arguments.manner();
+    let products = plan(folder, &manner, &[])?;
+    let done = process(config, &name, &image, products, &manner, &mut |_| ())?;
     let lines = match arguments.volume() {
         Volume::Quiet => Vec::new(),
         Volume::Normal => warnings(&name, &done),

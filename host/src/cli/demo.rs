@@ -3,6 +3,7 @@
 use super::job::{Manner, plan};
 use super::messages::Volume;
 use super::segment::segment_image;
+use crate::catalogue::Request;
 use crate::read::{Header, Image};
 use crate::write::Entry;
 use crate::write::fits::Writer;
@@ -39,9 +40,9 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let manner = Manner { pictures: true, overwrite: arguments.overwrite };
+    let manner = Manner { pictures: true, overwrite: arguments.overwrite, request: Request::default() };
     let volume = if arguments.quiet { Volume::Quiet } else { Volume::Normal };
-    let mut products = plan(&arguments.out, manner, &[NAME])?;
+    let mut products = plan(&arguments.out, &manner, &[NAME])?;
     let (image, sky) = simulated(Kind::Bright, SEED, SIDE, SIDE);
     let header = [
         Entry::new("OBJECT", "simulated sky", ""),
@@ -58,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !arguments.quiet {
         eprintln!("A simulated sky of {SIDE} x {SIDE} pixels with {} stars and galaxies (seed {SEED}).", sky.objects());
     }
-    segment_image(&Config::PAPER_F160, NAME, &image, products, manner, volume)?;
+    segment_image(&Config::PAPER_F160, NAME, &image, products, &manner, volume)?;
     if !arguments.quiet {
         eprintln!(
             "Look at overlay.png first: the image with the outlines of the sources. stages.png shows how it came"

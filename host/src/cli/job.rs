@@ -1,5 +1,6 @@
 //! One image, from pixels to published products.
 
+use crate::catalogue::Request;
 use crate::outputs;
 use crate::pipeline::{Drive, segment};
 use crate::read::Image;
@@ -13,12 +14,14 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// How results are written.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Manner {
     /// Pictures too.
     pub pictures: bool,
     /// Files that exist are replaced.
     pub overwrite: bool,
+    /// What is measured, and in which files it is told.
+    pub request: Request,
 }
 
 /// What remains of a segmented image when its planes are gone.
@@ -29,14 +32,17 @@ pub struct Done {
     pub seconds: Vec<(Stage, Duration)>,
     /// What summary.json holds.
     pub summary: Value,
+    /// What a user must know about the catalogue.
+    pub warnings: Vec<String>,
     /// The published products.
     pub files: Vec<PathBuf>,
 }
 
 /// The products of an image, and `more`, planned in a folder.
-pub fn plan(folder: &Path, manner: Manner, more: &[&str]) -> Result<Products> {
+pub fn plan(folder: &Path, manner: &Manner, more: &[&str]) -> Result<Products> {
     let pictures: &[&str] = if manner.pictures { &outputs::PICTURES } else { &[] };
-    let names: Vec<&str> = outputs::DATA.iter().chain(pictures).chain(more).copied().collect();
+    let names: Vec<&str> =
+        outputs::DATA.iter().chain(&manner.request.files()).chain(pictures).chain(more).copied().collect();
     Ok(Products::plan(folder, &names, manner.overwrite)?)
 }
 
@@ -46,12 +52,20 @@ pub fn process(
     name: &str,
     image: &Image,
     mut products: Products,
-    manner: Manner,
+    manner: &Manner,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Done> {
     let mut drive = Drive { keep_stages: manner.pictures, watch: Some(watch), ..Drive::default() };
     let run = segment(config, &image.pixels, image.width, image.height, &mut drive).with_context(|| name.to_owned())?;
-    let summary = outputs::write(&mut products, config, name, image, &run)?;
+    let (summary, warnings) = outputs::write(&mut products, config, name, image, &run, &manner.request)?;
     let files = products.publish()?;
-    Ok(Done { width: run.width, height: run.height, outcome: run.outcome, seconds: run.seconds, summary, files })
+    Ok(Done {
+        width: run.width,
+        height: run.height,
+        outcome: run.outcome,
+        seconds: run.seconds,
+        summary,
+        warnings,
+        files,
+    })
 }

@@ -66,7 +66,7 @@ pub fn report(config: &Config, name: &str, done: &Done, volume: Volume) -> Vec<S
 
 /// What a user must know about a result.
 pub fn warnings(name: &str, done: &Done) -> Vec<String> {
-    let mut lines = Vec::new();
+    let mut lines: Vec<String> = done.warnings.iter().map(|text| format!("warning: {name}: {text}")).collect();
     if done.outcome.catalogued < done.outcome.sources {
         lines.push(format!("warning: {name}: the catalogue has room for {} sources only", done.outcome.catalogued));
     }

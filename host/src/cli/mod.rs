@@ -3,11 +3,13 @@
 //! Results go to files, messages to stderr.
 
 mod batch;
+mod columns;
 mod crosscheck;
 mod demo;
 mod folders;
 mod job;
 mod manual;
+mod measuring;
 mod messages;
 mod options;
 mod presets;
@@ -16,6 +18,7 @@ mod settings;
 mod table;
 
 pub use demo::simulated;
+pub use measuring::Measuring;
 pub use options::Options;
 
 use anyhow::Result;
@@ -47,6 +50,8 @@ enum Command {
     Demo(demo::Arguments),
     /// List the presets with their settings.
     Presets,
+    /// List the columns of the catalogue and the bits of its flags.
+    Columns,
     /// Print a manual page (read it with `skyfront man | man -l -`).
     Man(manual::ManArguments),
     /// Print the completions for a shell.
@@ -74,6 +79,7 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Crosscheck(arguments)) => crosscheck::run(&arguments)?,
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
         Some(Command::Presets) => presets::run(),
+        Some(Command::Columns) => columns::run(),
         Some(Command::Man(arguments)) => manual::man(&arguments)?,
         Some(Command::Completions(arguments)) => manual::completions(&arguments),
         None => demo::run(&demo::Arguments::into_default_folder())?,

@@ -2,7 +2,7 @@
 
 use super::job::{Done, Manner, plan, process};
 use super::messages::{Volume, progress_bar, report, show};
-use super::{Options, batch};
+use super::{Measuring, Options, batch};
 use crate::machine::Native;
 use crate::read::{self, HduChoice, Image};
 use crate::write::Products;
@@ -28,6 +28,8 @@ pub struct Arguments {
     hdu: Option<HduChoice>,
     #[command(flatten)]
     options: Options,
+    #[command(flatten)]
+    measuring: Measuring,
     /// Leave out stages.png and overlay.png.
     #[arg(long)]
     no_pictures: bool,
@@ -60,7 +62,7 @@ impl Arguments {
 
     /// How results are written.
     pub fn manner(&self) -> Manner {
-        Manner { pictures: !self.no_pictures, overwrite: self.overwrite }
+        Manner { pictures: !self.no_pictures, overwrite: self.overwrite, request: self.measuring.request() }
     }
 
     /// Reads an image as it is wanted.
@@ -75,9 +77,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     match arguments.images.as_slice() {
         [path] => {
             let image = arguments.read(path)?;
-            let products = plan(&arguments.out, arguments.manner(), &[])?;
+            let manner = arguments.manner();
+            let products = plan(&arguments.out, &manner, &[])?;
             let name = path.display().to_string();
-            let done = segment_image(&config, &name, &image, products, arguments.manner(), arguments.volume())?;
+            let done = segment_image(&config, &name, &image, products, &manner, arguments.volume())?;
             if arguments.json {
                 println!("{:#}", done.summary);
             }
@@ -93,7 +96,7 @@ pub fn segment_image(
     name: &str,
     image: &Image,
     products: Products,
-    manner: Manner,
+    manner: &Manner,
     volume: Volume,
 ) -> Result<Done> {
     if volume > Volume::Quiet {

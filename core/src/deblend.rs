@@ -1,0 +1,163 @@
+//! Whose light is it: pixels that a source's mirror image does not explain become sources, and
+//! at a border each pixel goes to the source that has the most light there.
+
+use crate::significance::Detection;
+use crate::tree::{Field, Region, neighbours};
+
+/// A pixel under examination.
+const OPEN: u32 = 1 << 31;
+
+/// Light of the pixel beyond what its source, mirrored, has there.
+fn excess(field: Field<'_>, centre: (f32, f32), at: usize) -> f32 {
+    field.at(at) - field.mirrored(centre, at).unwrap_or(0.0)
+}
+
+fn label_at(labels: &[u32], at: usize) -> u32 {
+    labels.get(at).copied().unwrap_or(0)
+}
+
+fn centre_of(regions: &[Region], label: u32) -> (f32, f32) {
+    regions.get((label as usize).wrapping_sub(1)).map_or((0.0, 0.0), |region| region.centre)
+}
+
+/// Opens the pixels with more than twice their host's mirrored light, and makes each connected
+/// group of them that is large enough a region. `queue` is as long as the plane. Gives the new number of
+/// regions.
+pub fn reopen(
+    field: Field<'_>,
+    noise: f32,
+    labels: &mut [u32],
+    queue: &mut [u32],
+    regions: &mut [Region],
+    mut count: usize,
+    setting: &Detection,
+) -> usize {
+    for at in 0..labels.len() {
+        let label = label_at(labels, at);
+        if label == 0 {
+            continue;
+        }
+        if let Some(host) = field.mirrored(centre_of(regions, label), at)
+            && field.at(at) > 2.0 * host
+            && field.at(at) - host > setting.excess * noise
+            && let Some(cell) = labels.get_mut(at)
+        {
+            *cell |= OPEN;
+        }
+    }
+    for first in 0..labels.len() {
+        let open = label_at(labels, first);
+        if open & OPEN == 0 {
+            continue;
+        }
+        let host = open & !OPEN;
+        let centre = centre_of(regions, host);
+        let (mut members, mut next) = (0, 0);
+        let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
+            if let (Some(label), Some(place)) = (labels.get_mut(at), queue.get_mut(members)) {
+                (*label, *place) = (host, at as u32);
+                members += 1;
+            }
+            members
+        };
+        let mut known = take(first, labels, queue);
+        while next < known {
+            let at = queue.get(next).map_or(0, |&at| at as usize);
+            next += 1;
+            for near in neighbours(at, field.width, field.height()) {
+                if label_at(labels, near) == open {
+                    known = take(near, labels, queue);
+                }
+            }
+        }
+        let group = queue.get(..known).unwrap_or(&[]);
+        if (group.len() as u32) < setting.reopened_area {
+            continue;
+        }
+        let Some(region) = regions.get_mut(count) else { continue };
+        let (mut best, mut sum) = ((f32::NEG_INFINITY, 0), 0.0);
+        for &at in group {
+            let light = excess(field, centre, at as usize);
+            sum += f64::from(light);
+            if light > best.0 {
+                best = (light, at);
+            }
+        }
+        let (x, y) = (best.1 as usize % field.width, best.1 as usize / field.width);
+        *region = Region {
+            peak: best.1,
+            value: best.0,
+            area: group.len() as u32,
+            sum,
+            centre: (x as f32, y as f32),
+            label: 0,
+        };
+        count += 1;
+        for &at in group {
+            if let Some(label) = labels.get_mut(at as usize) {
+                *label = count as u32;
+            }
+        }
+    }
+    count
+}
+
+/// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
+/// of two neighbours the one with less light in all owns a pixel where the value is more than
+/// twice the other's mirrored light.
+pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps: u32) {
+    for sweep in 0..sweeps {
+        let mut changed = false;
+        for index in 0..labels.len() {
+            let at = if sweep % 2 == 0 { index } else { labels.len() - 1 - index };
+            let own = label_at(labels, at);
+            if own == 0 {
+                continue;
+            }
+            let mut best = own;
+            for near in neighbours(at, field.width, field.height()).take(4) {
+                let other = label_at(labels, near);
+                if other == 0 || other == best || near.abs_diff(at) > field.width {
+                    continue;
+                }
+                let light = |label: u32| regions.get(label as usize - 1).map_or(0.0, |region| region.sum);
+                let (bright, faint) = if light(best) >= light(other) { (best, other) } else { (other, best) };
+                if let Some(host) = field.mirrored(centre_of(regions, bright), at) {
+                    best = if field.at(at) > 2.0 * host { faint } else { bright };
+                }
+            }
+            if best != own
+                && let Some(label) = labels.get_mut(at)
+            {
+                *label = best;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+}
+
+/// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
+/// pixels around it have. `before` is as long as the plane.
+pub fn straighten(labels: &mut [u32], before: &mut [u32], width: usize, steps: u32) {
+    let height = labels.len() / width;
+    for _ in 0..steps {
+        before.iter_mut().zip(labels.iter()).for_each(|(before, label)| *before = *label);
+        for (at, label) in labels.iter_mut().enumerate() {
+            let (mut same, mut other, mut others) = (0, *label, 0);
+            for near in neighbours(at, width, height) {
+                let near = label_at(before, near);
+                if near == *label {
+                    same += 1;
+                } else if near == other || others == 0 {
+                    (other, others) = (near, others + 1);
+                }
+            }
+            if others >= 6 && same < 3 {
+                *label = other;
+            }
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! The tree of level sets: pixels from the brightest down, regions that grow, and where two of
+//! them meet the question whether the fainter is a source of its own.
+//!
+//! After Bijaoui and others; the test of significance follows the idea of MTObjects (Teeninga et
+//! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
+
+use crate::significance::Detection;
+
+/// A region of the tree, in the end a source.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Region {
+    /// Index of its brightest pixel.
+    pub peak: u32,
+    /// Value there.
+    pub value: f32,
+    /// Number of pixels.
+    pub area: u32,
+    /// Sum of its values.
+    pub sum: f64,
+    /// Its centre, (x, y), to a fraction of a pixel.
+    pub centre: (f32, f32),
+    /// The label it ends with.
+    pub label: u32,
+}
+
+/// Parent of a pixel that is in no region.
+pub const NONE: u32 = u32::MAX;
+
+/// The four pixels that share an edge with `(x, y)`, and then the four that share a corner.
+pub fn neighbours(at: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
+    const STEPS: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+    let (x, y) = (at % width, at / width);
+    STEPS.into_iter().filter_map(move |(dx, dy)| {
+        let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
+        (x < width && y < height).then_some(y * width + x)
+    })
+}
+
+/// A plane that is read at any place.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'a> {
+    /// Values, row-major.
+    pub values: &'a [f32],
+    /// Columns.
+    pub width: usize,
+}
+
+impl Field<'_> {
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.values.len() / self.width
+    }
+
+    /// The value at an index; 0 beyond the plane.
+    pub fn at(&self, index: usize) -> f32 {
+        self.values.get(index).copied().unwrap_or(0.0)
+    }
+
+    /// The vertex of the parabolas through a peak and its neighbours.
+    pub fn centre(&self, peak: usize) -> (f32, f32) {
+        let (x, y) = (peak % self.width, peak / self.width);
+        let vertex = |before: f32, after: f32| {
+            let bend = before - 2.0 * self.at(peak) + after;
+            if bend < -1e-6 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 }
+        };
+        let inner = |at: usize, length: usize| at > 0 && at + 1 < length;
+        let dx = if inner(x, self.width) { vertex(self.at(peak - 1), self.at(peak + 1)) } else { 0.0 };
+        let dy = if inner(y, self.height()) {
+            vertex(self.at(peak - self.width), self.at(peak + self.width))
+        } else {
+            0.0
+        };
+        (x as f32 + dx, y as f32 + dy)
+    }
+
+    /// The value across a centre, bilinear, not below 0: what a symmetric source has at `index`.
+    /// `None` where that is beyond the frame.
+    pub fn mirrored(&self, centre: (f32, f32), index: usize) -> Option<f32> {
+        let (x, y) = (2.0 * centre.0 - (index % self.width) as f32, 2.0 * centre.1 - (index / self.width) as f32);
+        let (last_x, last_y) = (self.width.checked_sub(2)?, self.height().checked_sub(2)?);
+        if x < 0.0 || y < 0.0 || x > (last_x + 1) as f32 || y > (last_y + 1) as f32 {
+            return None;
+        }
+        let (left, below) = ((x as usize).min(last_x), (y as usize).min(last_y));
+        let (part_x, part_y) = (x - left as f32, y - below as f32);
+        let first = below * self.width + left;
+        let row = |first: usize| self.at(first) * (1.0 - part_x) + self.at(first + 1) * part_x;
+        let value = row(first) * (1.0 - part_y) + row(first + self.width) * part_y;
+        Some(if value > 0.0 { value } else { 0.0 })
+    }
+}
+
+/// The root of a pixel's region; paths are halved on the way.
+pub fn root(parents: &mut [u32], mut at: u32) -> u32 {
+    let parent = |parents: &[u32], at: u32| parents.get(at as usize).copied().unwrap_or(at);
+    while parent(parents, at) != at {
+        let grand = parent(parents, parent(parents, at));
+        if let Some(cell) = parents.get_mut(at as usize) {
+            *cell = grand;
+        }
+        at = grand;
+    }
+    at
+}
+
+/// Grows the regions of `order`, the pixels in use from the brightest down. `parents` holds
+/// [`NONE`] everywhere; `ids` gets the region of each root. Gives the number of regions; pixels
+/// for which no region was free stay out.
+pub fn grow(
+    field: Field<'_>,
+    order: &[u32],
+    parents: &mut [u32],
+    ids: &mut [u32],
+    regions: &mut [Region],
+    setting: &Detection,
+) -> usize {
+    let mut count = 0;
+    for &pixel in order {
+        let at = pixel as usize;
+        let value = field.at(at);
+        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, (f32::NEG_INFINITY, NONE));
+        for near in neighbours(at, field.width, field.height()) {
+            if parents.get(near).is_none_or(|&parent| parent == NONE) {
+                continue;
+            }
+            let root = root(parents, near as u32);
+            if field.at(near) > nearest.0 {
+                nearest = (field.at(near), root);
+            }
+            if !roots.contains(&root)
+                && let Some(free) = roots.get_mut(found)
+            {
+                *free = root;
+                found += 1;
+            }
+        }
+        let id = |ids: &[u32], root: u32| ids.get(root as usize).map_or(usize::MAX, |&id| id as usize);
+        if found == 0 {
+            let Some(region) = regions.get_mut(count) else { continue };
+            *region = Region { peak: pixel, value, area: 1, sum: f64::from(value), ..Region::default() };
+            if let (Some(parent), Some(id)) = (parents.get_mut(at), ids.get_mut(at)) {
+                (*parent, *id) = (pixel, count as u32);
+            }
+            count += 1;
+            continue;
+        }
+        let brightness = |root: u32| regions.get(id(ids, root)).map_or(0.0, |region| region.value);
+        let roots = roots.get_mut(..found).unwrap_or(&mut []);
+        roots.sort_unstable_by(|&a, &b| brightness(b).total_cmp(&brightness(a)).then(a.cmp(&b)));
+        let Some((&host, others)) = roots.split_first() else { continue };
+        for &other in others {
+            let (host_id, other_id) = (id(ids, host), id(ids, other));
+            let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
+            if setting.stands_apart(field, &bright, &faint, value) {
+                continue;
+            }
+            if let Some(parent) = parents.get_mut(other as usize) {
+                *parent = host;
+            }
+            if let Some(region) = regions.get_mut(host_id) {
+                region.area += faint.area;
+                region.sum += faint.sum;
+            }
+            if let Some(region) = regions.get_mut(other_id) {
+                region.area = 0;
+            }
+            if nearest.1 == other {
+                nearest.1 = host;
+            }
+        }
+        if let Some(parent) = parents.get_mut(at) {
+            *parent = nearest.1;
+        }
+        if let Some(region) = regions.get_mut(id(ids, nearest.1)) {
+            region.area += 1;
+            region.sum += f64::from(value);
+        }
+    }
+    count
+}

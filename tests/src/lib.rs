@@ -2,6 +2,7 @@
 
 pub mod command;
 pub mod compressed;
+pub mod evolve;
 pub mod fits_bytes;
 pub mod scenes;
 pub mod specimens;

@@ -105,9 +105,10 @@ fn g1<A: Arithmetic>(z: A::Real, p: Exponent) -> A::Real {
 impl<A: Arithmetic> Kernel<A, 3> for EdgeDetector<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], _aux: &[A::Cell], new: &mut [A::Cell]) {
+        let detector = *self;
         let Cross { left, right, below, above, .. } = cross(old);
         for ((((new, &l), &r), &b), &a) in new.iter_mut().zip(left).zip(right).zip(below).zip(above) {
-            *new = A::to_pixel(self.speed(steepness::<A>(l, r, b, a)));
+            *new = A::to_pixel(detector.speed(steepness::<A>(l, r, b, a)));
         }
     }
 }

@@ -20,11 +20,12 @@ impl<A: Arithmetic> Heat<A> {
 impl<A: Arithmetic> Kernel<A, 3> for Heat<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], _aux: &[A::Cell], new: &mut [A::Cell]) {
+        let filter = *self;
         let Cross { centre, left, right, below, above } = cross(old);
         for (((((new, &i), &l), &r), &b), &a) in new.iter_mut().zip(centre).zip(left).zip(right).zip(below).zip(above) {
             let i = A::pixel(i);
             let (l, r, b, a) = (A::pixel(l) - i, A::pixel(r) - i, A::pixel(b) - i, A::pixel(a) - i);
-            *new = A::to_pixel(i + self.lambda * ((l + r) + (b + a)));
+            *new = A::to_pixel(i + filter.lambda * ((l + r) + (b + a)));
         }
     }
 }
@@ -63,12 +64,13 @@ impl<A: Arithmetic> PeronaMalik<A> {
 impl<A: Arithmetic> Kernel<A, 3> for PeronaMalik<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], _aux: &[A::Cell], new: &mut [A::Cell]) {
+        let filter = *self;
         let Cross { centre, left, right, below, above } = cross(old);
         for (((((new, &i), &l), &r), &b), &a) in new.iter_mut().zip(centre).zip(left).zip(right).zip(below).zip(above) {
             let i = A::pixel(i);
-            let (l, r) = (self.flow(A::pixel(l) - i), self.flow(A::pixel(r) - i));
-            let (b, a) = (self.flow(A::pixel(b) - i), self.flow(A::pixel(a) - i));
-            *new = A::to_pixel(i + self.lambda * ((l + r) + (b + a)));
+            let (l, r) = (filter.flow(A::pixel(l) - i), filter.flow(A::pixel(r) - i));
+            let (b, a) = (filter.flow(A::pixel(b) - i), filter.flow(A::pixel(a) - i));
+            *new = A::to_pixel(i + filter.lambda * ((l + r) + (b + a)));
         }
     }
 }

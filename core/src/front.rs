@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::Config;
+use crate::settle::FLOOR;
 
 /// The least width and height: `u0` begins two pixels inside the frame and needs one inside that.
 pub const LEAST_SIDE: usize = 5;
@@ -9,27 +10,28 @@ pub const LEAST_SIDE: usize = 5;
 /// The centred `u0` of spec section 2, in the front's unit.
 ///
 /// `1 - max(|x - cx| / (W dx/2 - 2 dx), |y - cy| / (H dx/2 - 2 dx))`: 1 in the middle of the
-/// frame, 0 two pixels inside its border, negative outside. With a band it is measured in pixels
-/// of the shorter side and saturated.
+/// frame, 0 two pixels inside its border, negative outside. With a band it is the distance to that
+/// rectangle in pixels, along the nearer axis, and saturated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Front {
     width: usize,
     height: usize,
     /// Units of the front plane in one unit of the paper's `u0`.
     pub unit: f32,
-    /// Saturation, in units of the front plane.
+    /// Saturation above and below zero, in units of the front plane.
     band: f32,
+    floor: f32,
 }
 
 impl Front {
     /// The front of a frame of `width` x `height` pixels, each at least [`LEAST_SIDE`].
     pub fn new(config: &Config, width: usize, height: usize) -> Front {
         let shorter = width.min(height).saturating_sub(4);
-        let (unit, band) = match config.band {
-            None => (1.0, f32::MAX),
-            Some(band) => (shorter as f32 * 0.5, band),
+        let (unit, band, floor) = match config.band {
+            None => (1.0, f32::MAX, f32::MAX),
+            Some(band) => (shorter as f32 * 0.5, band, FLOOR),
         };
-        Front { width, height, unit, band }
+        Front { width, height, unit, band, floor }
     }
 
     /// Saturates a front value.
@@ -37,8 +39,8 @@ impl Front {
     pub fn saturate(&self, value: f32) -> f32 {
         if value > self.band {
             self.band
-        } else if value < -self.band {
-            -self.band
+        } else if value < -self.floor {
+            -self.floor
         } else {
             value
         }
@@ -47,10 +49,17 @@ impl Front {
     /// Writes row `y` of `u0`.
     pub fn row<A: Arithmetic>(&self, y: usize, row: &mut [A::Cell]) {
         let vertical = off_centre(y, self.height);
+        let height = (self.height.saturating_sub(4)) as f32 * 0.5;
+        let width = (self.width.saturating_sub(4)) as f32 * 0.5;
         for (x, cell) in row.iter_mut().enumerate() {
             let horizontal = off_centre(x, self.width);
-            let farthest = if horizontal > vertical { horizontal } else { vertical };
-            *cell = A::to_level(A::Real::of(self.saturate(self.unit * (1.0 - farthest))));
+            let value = if self.band < f32::MAX {
+                let (across, along) = (width * (1.0 - horizontal), height * (1.0 - vertical));
+                if across < along { across } else { along }
+            } else {
+                1.0 - if horizontal > vertical { horizontal } else { vertical }
+            };
+            *cell = A::to_level(A::Real::of(self.saturate(value)));
         }
     }
 }

@@ -4,6 +4,16 @@
 //! implementation returns the same value, and the row loops are written so that their result does
 //! not depend on how many pixels are worked on at once.
 
+/// A row loop, as a thing that can be handed to a [`Machine`]. A closure would do, but nothing can
+/// oblige the compiler to inline a closure, and only inlined code gets the wider vectors.
+pub trait Task {
+    /// What the loop returns.
+    type Output;
+
+    /// Runs the loop; implementations are `#[inline(always)]`.
+    fn run(self) -> Self::Output;
+}
+
 /// A processor, as the row loops see it.
 pub trait Machine: Copy + Default + core::fmt::Debug + 'static {
     /// The square root of `x >= 0`, correctly rounded (IEEE 754, ties to even).
@@ -11,8 +21,8 @@ pub trait Machine: Copy + Default + core::fmt::Debug + 'static {
 
     /// Runs a row loop, on wider vector units where the processor has them.
     #[inline(always)]
-    fn wide<R>(row: impl FnOnce() -> R) -> R {
-        row()
+    fn wide<T: Task>(row: T) -> T::Output {
+        row.run()
     }
 }
 

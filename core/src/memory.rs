@@ -4,6 +4,7 @@ use crate::arithmetic::{Arithmetic, Cell};
 use crate::catalog::Source;
 use crate::error::Error;
 use crate::sweep::ring_len;
+pub use crate::tiles::flags_len;
 
 /// The slices a run works in. All are overwritten; none needs to be cleared.
 #[derive(Debug)]
@@ -14,6 +15,8 @@ pub struct Memory<'m, A: Arithmetic> {
     pub front: &'m mut [A::Cell],
     /// [`ring_cells`] cells: old rows of the sweep under way.
     pub ring: &'m mut [A::Cell],
+    /// [`flags_len`] bytes: which tiles of the front can still move.
+    pub tiles: &'m mut [u8],
     /// W samples: the row of original pixels at work.
     pub samples: &'m mut [f32],
     /// The catalogue, as long as the caller likes; sources beyond its end are counted.
@@ -34,6 +37,7 @@ pub const fn ring_cells(width: usize, sl_curvature: bool) -> usize {
 /// All bytes of [`Memory`], for cells of `cell_bytes` and a catalogue of `sources`.
 pub const fn bytes(width: usize, height: usize, cell_bytes: usize, sl_curvature: bool, sources: usize) -> usize {
     cell_bytes * (2 * width * height + ring_cells(width, sl_curvature))
+        + flags_len(width, height)
         + size_of::<f32>() * width
         + size_of::<Source>() * sources
 }
@@ -51,12 +55,14 @@ impl<A: Arithmetic> Memory<'_, A> {
         enough("the image plane", self.image.len(), pixels)?;
         enough("the front plane", self.front.len(), pixels)?;
         enough("the ring of old rows", self.ring.len(), ring_len(width, window.max(3)))?;
+        enough("the flags of the tiles", self.tiles.len(), flags_len(width, height))?;
         enough("the sample row", self.samples.len(), width)
     }
 
     /// Bytes in use, as [`bytes`] counts them.
     pub fn bytes(&self) -> usize {
         A::Cell::BYTES * (self.image.len() + self.front.len() + self.ring.len())
+            + self.tiles.len()
             + size_of_val(self.samples)
             + size_of_val(self.sources)
     }

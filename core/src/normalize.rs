@@ -1,6 +1,7 @@
 //! Step 1: pixel values become numbers in [0, 1] (`risc01`).
 
 use crate::arithmetic::{Arithmetic, Real};
+use crate::machine::Task;
 
 /// The extremes and number of the defined pixels seen so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,9 +63,23 @@ impl Range {
 
 /// One row of pixels into one row of the image plane.
 pub fn row<A: Arithmetic>(range: Range, fill: f32, pixels: &[f32], image: &mut [A::Cell]) {
-    A::wide(|| {
-        for (cell, &pixel) in image.iter_mut().zip(pixels) {
-            *cell = A::to_pixel(A::Real::of(range.apply(pixel, fill)));
+    A::wide(Row::<A> { range, fill, pixels, image });
+}
+
+struct Row<'a, A: Arithmetic> {
+    range: Range,
+    fill: f32,
+    pixels: &'a [f32],
+    image: &'a mut [A::Cell],
+}
+
+impl<A: Arithmetic> Task for Row<'_, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (cell, &pixel) in self.image.iter_mut().zip(self.pixels) {
+            *cell = A::to_pixel(A::Real::of(self.range.apply(pixel, self.fill)));
         }
-    });
+    }
 }

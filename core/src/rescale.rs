@@ -4,6 +4,7 @@
 
 use crate::arithmetic::{Arithmetic, Exponent, Real};
 use crate::config::Rescale;
+use crate::machine::Task;
 
 /// A rescaling with its constants.
 #[derive(Clone, Copy, Debug)]
@@ -54,11 +55,23 @@ impl<A: Arithmetic> Rescaler<A> {
 
     /// Applies it in place to a row of the image plane.
     pub fn row(&self, image: &mut [A::Cell]) {
-        A::wide(|| {
-            for cell in image {
-                *cell = A::to_pixel(self.apply(A::pixel(*cell)));
-            }
-        });
+        A::wide(Row { rescaler: *self, image });
+    }
+}
+
+struct Row<'a, A: Arithmetic> {
+    rescaler: Rescaler<A>,
+    image: &'a mut [A::Cell],
+}
+
+impl<A: Arithmetic> Task for Row<'_, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for cell in self.image {
+            *cell = A::to_pixel(self.rescaler.apply(A::pixel(*cell)));
+        }
     }
 }
 

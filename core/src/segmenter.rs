@@ -9,16 +9,18 @@ use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
 use crate::front::{Front, LEAST_SIDE};
 use crate::label::{Damaged, Table};
-use crate::memory::Memory;
+use crate::memory::{Memory, flags_len};
 use crate::normalize::{self, Extremes, Range};
 use crate::otsu::Histogram;
 use crate::outcome::{Outcome, Progress, StopReason};
 use crate::rescale::Rescaler;
-use crate::scheme::{AnyScheme, Evolve};
+use crate::scheme::{AnyScheme, Evolve, Step};
 use crate::select::Select;
+use crate::settle::Settle;
 use crate::stage::Stage;
 use crate::stop::{Change, StopRule};
-use crate::sweep::{Halo, Kernel, advance, row_of, row_of_mut};
+use crate::sweep::{Band, Halo, Kernel, advance, row_of, row_of_mut};
+use crate::tiles::{Tiles, rows_of_tile};
 
 /// Everything that changes during a run but lies not in a plane.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +58,7 @@ pub struct Segmenter<'m, A: Arithmetic, S: Evolve<A> = AnyScheme<A>> {
     front: Front,
     scheme: S,
     rule: StopRule<A>,
+    settle: Settle<A>,
     memory: Memory<'m, A>,
     state: State<A>,
 }
@@ -78,6 +81,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             reason: "the configuration names another scheme than this program was built for",
         })?;
         memory.check(width, height, scheme.window())?;
+        let flags = flags_len(width, height);
+        let memory = Memory { tiles: memory.tiles.get_mut(..flags).unwrap_or(&mut []), ..memory };
         let rule = StopRule::new(config, front.unit);
         let state = State {
             stage: Stage::Extremes,
@@ -100,7 +105,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             unlabelled: 0,
             work: 0,
         };
-        Ok(Segmenter { config: *config, width, height, front, scheme, rule, memory, state })
+        let settle = Settle::new(config.band);
+        Ok(Segmenter { config: *config, width, height, front, scheme, rule, settle, memory, state })
     }
 
     /// Does at most `rows` rows (at least one) of the pass under way.
@@ -231,7 +237,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let rows = self.state.row..end;
         let pixels = self.width.saturating_mul(self.height);
         let image = self.memory.image.get_mut(..pixels).unwrap_or(&mut []);
-        advance::<A, K, 3>(kernel, image, &[], self.memory.ring, self.width, rows, Halo::NONE);
+        let mut band = Band { plane: image, aux: &[], ring: self.memory.ring, width: self.width, halo: Halo::NONE };
+        advance::<A, K, 3>(kernel, &mut band, rows);
     }
 
     fn filter_rows(&mut self, end: usize) {
@@ -249,8 +256,14 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let front = self.memory.front.get_mut(..pixels).unwrap_or(&mut []);
         let speed = self.memory.image.get(..pixels).unwrap_or(&[]);
         let rows = self.state.row..end;
-        let change = &mut self.state.change;
-        self.scheme.advance(front, speed, self.memory.ring, self.width, rows, Halo::NONE, change);
+        let mut band = Band { plane: front, aux: speed, ring: self.memory.ring, width: self.width, halo: Halo::NONE };
+        let mut tiles = Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height));
+        let mut step = Step { settle: self.settle, change: self.state.change };
+        self.scheme.advance(&mut band, &mut tiles, rows, &mut step);
+        self.state.change = step.change;
+        if end == self.height {
+            tiles.turn(&[], &[]);
+        }
     }
 
     /// The last row of a pass is done: what follows from it, and the next pass.
@@ -309,6 +322,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
                 }
                 state.fill = state.range.apply(state.fill, 0.0);
             }
+            (Stage::Evolve, _) => Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake(),
             (Stage::Measure, _) => {
                 for (label, source) in (1..).zip(self.memory.sources.iter_mut()) {
                     *source = Source::empty(label);

@@ -35,7 +35,7 @@ impl<A: Arithmetic> Change<A> {
         Change { sum: 0, crossings: 0, near }
     }
 
-    /// Takes in a row (or a piece of one) before and after the step.
+    /// Takes in a row, or a piece of one, before and after the step.
     #[inline(always)]
     pub fn observe(&mut self, old: &[A::Cell], new: &[A::Cell]) {
         self.sum = self.sum.saturating_add(A::change(old, new, self.near.limit));

@@ -3,7 +3,7 @@
 //! Both give the bits of plain code: IEEE 754 rounds square roots correctly, and the core's row
 //! loops do not depend on how many pixels are worked on at once.
 
-use skyfront_core::machine::Machine;
+use skyfront_core::machine::{Machine, Task};
 
 /// This computer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,19 +16,19 @@ impl Machine for Native {
     }
 
     #[inline(always)]
-    fn wide<R>(row: impl FnOnce() -> R) -> R {
+    fn wide<T: Task>(row: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has AVX2, which is all that `with_avx2` asks for.
             return unsafe { with_avx2(row) };
         }
-        row()
+        row.run()
     }
 }
 
 /// The same code, compiled for 256-bit vectors. FMA stays off: a fused product has other bits.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn with_avx2<R>(row: impl FnOnce() -> R) -> R {
-    row()
+fn with_avx2<T: Task>(row: T) -> T::Output {
+    row.run()
 }

@@ -5,7 +5,7 @@
 //! multiply-add, no `f32::min`, no operation that can make a NaN from finite numbers.
 
 use super::{Arithmetic, Cell, Exponent, Real, sealed::Sealed};
-use crate::machine::{Machine, Plain};
+use crate::machine::{Machine, Plain, Task};
 use core::marker::PhantomData;
 
 /// Single precision on a machine `M`; `M` changes the speed, never the bits.
@@ -65,15 +65,17 @@ impl Cell for f32 {
     }
 }
 
-/// Partial sums of a row of f32: pixel x belongs to lane x mod 8 on every machine.
-const LANES: usize = 8;
+/// Cells whose changes surely add up in 32 bits.
+const PIECE: usize = 256;
+/// The largest change that is told from larger ones: the last step before 1/2.
+const LARGEST_CHANGE: f32 = 0.499_999_97;
 
 impl<M: Machine> Sealed for F32<M> {}
 
 impl<M: Machine> Arithmetic for F32<M> {
     const NAME: &'static str = "f32";
     const CODE: u8 = 1;
-    const CHANGE_UNITS: f32 = 4_294_967_296.0;
+    const CHANGE_UNITS: f32 = 16_777_216.0;
     const NEEDS_BAND: Option<f32> = None;
     const LIMIT: f32 = f32::INFINITY;
     const LEAST_CURVATURE: f32 = 0.0;
@@ -141,26 +143,45 @@ impl<M: Machine> Arithmetic for F32<M> {
         libm::expf(-x)
     }
 
-    #[inline(always)]
-    fn change(old: &[f32], new: &[f32], limit: f32) -> u64 {
-        let mut lanes = [0.0f32; LANES];
-        let (old, old_rest) = old.as_chunks::<LANES>();
-        let (new, new_rest) = new.as_chunks::<LANES>();
-        for (old, new) in old.iter().zip(new) {
-            for ((lane, &v), &w) in lanes.iter_mut().zip(old).zip(new) {
-                *lane += if v.abs() <= limit { (w - v).abs() } else { 0.0 };
-            }
+    /// 1.5 * 2^23 grid steps, of 2^-14 pixels or, beyond a band of 256, of twice as much as often
+    /// as needed: a sum with it has its last bit at one grid step.
+    fn anchor(band: f32) -> f32 {
+        let (mut anchor, mut widest) = (768.0, 256.0);
+        while widest < band && widest < 1e9 {
+            anchor *= 2.0;
+            widest *= 2.0;
         }
-        for ((lane, &v), &w) in lanes.iter_mut().zip(old_rest).zip(new_rest) {
-            *lane += if v.abs() <= limit { (w - v).abs() } else { 0.0 };
-        }
-        let [a, b, c, d, e, f, g, h] = lanes;
-        let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
-        (sum * Self::CHANGE_UNITS) as u64
+        anchor
     }
 
     #[inline(always)]
-    fn wide<R>(row: impl FnOnce() -> R) -> R {
+    fn on_grid(value: f32, anchor: f32) -> f32 {
+        (value + anchor) - anchor
+    }
+
+    /// Each change is rounded to a multiple of 2^-24 and counts 1/2 at most: whole numbers, which
+    /// add up to the same sum in any order and on units of any width.
+    #[inline(always)]
+    fn change(old: &[f32], new: &[f32], limit: f32) -> u64 {
+        const HALF: f32 = 0.5;
+        let pieces = old.chunks(PIECE).zip(new.chunks(PIECE));
+        pieces.fold(0, |sum, (old, new)| {
+            if old.iter().fold(true, |far, v| far & (v.abs() > limit)) {
+                return sum;
+            }
+            let units = old.iter().zip(new).fold(0u32, |sum, (&v, &w)| {
+                let change = (w - v).abs();
+                let change = if change < LARGEST_CHANGE { change } else { LARGEST_CHANGE };
+                // From 1/2 to 1 the bit patterns of f32 count in steps of 2^-24.
+                let units = (HALF + change).to_bits().wrapping_sub(HALF.to_bits());
+                sum.wrapping_add(if v.abs() <= limit { units } else { 0 })
+            });
+            sum + u64::from(units)
+        })
+    }
+
+    #[inline(always)]
+    fn wide<T: Task>(row: T) -> T::Output {
         M::wide(row)
     }
 }

@@ -18,6 +18,7 @@ pub use float::F32;
 pub use q11::{Narrow, Q11};
 pub use q24::Q24;
 
+use crate::machine::Task;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
@@ -137,13 +138,25 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + 'static {
     /// `exp(-x)` for x >= 0.
     fn exp_neg(x: Self::Real) -> Self::Real;
 
+    /// What [`Self::on_grid`] needs to know about a band of `band` pixels.
+    fn anchor(band: f32) -> Self::Real {
+        Self::Real::of(band)
+    }
+    /// A front value rounded to a grid, so that motions that matter to no pixel end. Fixed-point
+    /// values are on one.
+    #[inline(always)]
+    fn on_grid(value: Self::Real, anchor: Self::Real) -> Self::Real {
+        let _ = anchor;
+        value
+    }
+
     /// Sum of `|new - old|` over the cells with `|old| <= limit`, in [`Self::CHANGE_UNITS`].
     /// Independent of vector width; sums of rows add exactly, in any order.
     fn change(old: &[Self::Cell], new: &[Self::Cell], limit: Self::Real) -> u64;
 
     /// Runs a row loop on the machine's wide units, where the arithmetic has a use for them.
     #[inline(always)]
-    fn wide<R>(row: impl FnOnce() -> R) -> R {
-        row()
+    fn wide<T: Task>(row: T) -> T::Output {
+        row.run()
     }
 }

@@ -1,10 +1,10 @@
 //! The scheme chosen at run time.
 
-use super::{Evolve, Fd, FdCurvature, Sl, SlCurvature};
+use super::{Evolve, Fd, FdCurvature, Sl, SlCurvature, Step};
 use crate::arithmetic::Arithmetic;
 use crate::config::{Config, Scheme};
-use crate::stop::Change;
-use crate::sweep::Halo;
+use crate::sweep::Band;
+use crate::tiles::Tiles;
 use core::ops::Range;
 
 /// Any of the schemes. A program that needs only one names it instead and is smaller.
@@ -55,16 +55,7 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
         each!(self, scheme => Evolve::<A>::window(scheme))
     }
 
-    fn advance(
-        &self,
-        front: &mut [A::Cell],
-        speed: &[A::Cell],
-        ring: &mut [A::Cell],
-        width: usize,
-        rows: Range<usize>,
-        halo: Halo<'_, A::Cell>,
-        change: &mut Change<A>,
-    ) {
-        each!(self, scheme => scheme.advance(front, speed, ring, width, rows, halo, change));
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        each!(self, scheme => scheme.advance(band, tiles, rows, step));
     }
 }

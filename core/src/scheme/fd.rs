@@ -1,10 +1,10 @@
 //! Finite differences, first order: `v - dt g |grad v|`, upwind (`DFg`).
 
-use super::{Evolve, tracked};
+use super::{Evolve, Step, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
-use crate::stop::Change;
-use crate::sweep::{Cross, Halo, Kernel, cross};
+use crate::sweep::{Band, Cross, Kernel, cross};
+use crate::tiles::Tiles;
 use core::ops::Range;
 
 /// The scheme `DFg`. Monotone while `dt g / dx <= 1/2`.
@@ -23,13 +23,15 @@ pub(super) fn upwind<A: Arithmetic>(v: A::Real, l: A::Real, r: A::Real, b: A::Re
 impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
+        // A copy: behind the reference it could change with every pixel written.
+        let Fd { courant } = *self;
         let Cross { centre, left, right, below, above } = cross(old);
         for ((((((new, &v), &l), &r), &b), &a), &g) in
             new.iter_mut().zip(centre).zip(left).zip(right).zip(below).zip(above).zip(speed)
         {
             let v = A::level(v);
             let gradient = upwind::<A>(v, A::level(l), A::level(r), A::level(b), A::level(a));
-            *new = A::to_level(v - (self.courant * A::pixel(g)) * gradient);
+            *new = A::to_level(v - (courant * A::pixel(g)) * gradient);
         }
     }
 }
@@ -46,16 +48,7 @@ impl<A: Arithmetic> Evolve<A> for Fd<A> {
         3
     }
 
-    fn advance(
-        &self,
-        front: &mut [A::Cell],
-        speed: &[A::Cell],
-        ring: &mut [A::Cell],
-        width: usize,
-        rows: Range<usize>,
-        halo: Halo<'_, A::Cell>,
-        change: &mut Change<A>,
-    ) {
-        tracked::<A, _, 3>(*self, front, speed, ring, width, rows, halo, change);
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        tracked::<A, _, 3>(*self, band, tiles, rows, step);
     }
 }

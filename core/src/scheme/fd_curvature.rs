@@ -1,10 +1,10 @@
 //! Finite differences with curvature: `v - dt g |grad v| (1 - nu k)` (`DFgk`).
 
-use super::{Evolve, fd::upwind, flat_limit, tracked};
+use super::{Evolve, Step, fd::upwind, flat_limit, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, CurvatureForm, Scheme};
-use crate::stop::Change;
-use crate::sweep::{Cross, Halo, Kernel, cross, shifted};
+use crate::sweep::{Band, Cross, Kernel, cross, shifted};
+use crate::tiles::Tiles;
 use core::ops::Range;
 
 /// The scheme `DFgk`, with Lambda over `|D^c|^2` and, in the consistent form, `- 4 v` in the flat
@@ -57,6 +57,7 @@ impl<A: Arithmetic> FdCurvature<A> {
 impl<A: Arithmetic> Kernel<A, 3> for FdCurvature<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
+        let scheme = *self;
         let Cross { centre, left, right, below, above } = cross(old);
         let [row_below, _, row_above] = *old;
         let corners = row_below
@@ -71,7 +72,7 @@ impl<A: Arithmetic> Kernel<A, 3> for FdCurvature<A> {
             let n = Around { l: A::level(l), r: A::level(r), b: A::level(b), a: A::level(a), corners };
             let gradient = upwind::<A>(v, n.l, n.r, n.b, n.a);
             let g = A::pixel(g);
-            *new = A::to_level(v - (self.courant * g) * gradient + g * self.curvature(v, &n));
+            *new = A::to_level(v - (scheme.courant * g) * gradient + g * scheme.curvature(v, &n));
         }
     }
 }
@@ -94,16 +95,7 @@ impl<A: Arithmetic> Evolve<A> for FdCurvature<A> {
         3
     }
 
-    fn advance(
-        &self,
-        front: &mut [A::Cell],
-        speed: &[A::Cell],
-        ring: &mut [A::Cell],
-        width: usize,
-        rows: Range<usize>,
-        halo: Halo<'_, A::Cell>,
-        change: &mut Change<A>,
-    ) {
-        tracked::<A, _, 3>(*self, front, speed, ring, width, rows, halo, change);
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        tracked::<A, _, 3>(*self, band, tiles, rows, step);
     }
 }

@@ -17,8 +17,10 @@ pub use sl_curvature::SlCurvature;
 
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
+use crate::settle::Settle;
 use crate::stop::Change;
-use crate::sweep::{Halo, Kernel, advance};
+use crate::sweep::{Band, Kernel, advance_active, centre_of};
+use crate::tiles::Tiles;
 use core::ops::Range;
 
 /// A scheme for the evolution, chosen at compile time (one scheme in the program) or at run time
@@ -33,48 +35,44 @@ pub trait Evolve<A: Arithmetic>: Sized {
     /// Rows of the window: 2R + 1.
     fn window(&self) -> usize;
 
-    /// Moves the front in `rows` of a band by one step and adds what changed to `change`.
-    #[allow(clippy::too_many_arguments, reason = "the planes, the scratch and the rows of one sweep")]
-    fn advance(
-        &self,
-        front: &mut [A::Cell],
-        speed: &[A::Cell],
-        ring: &mut [A::Cell],
-        width: usize,
-        rows: Range<usize>,
-        halo: Halo<'_, A::Cell>,
-        change: &mut Change<A>,
-    );
+    /// Moves the front in the active tiles of `rows` by one step; notes which tiles change, and
+    /// adds what changes to the step's record.
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>);
 }
 
-/// A scheme's kernel together with the record of what it changed.
+/// A step of the front: how new values are settled, and the record of what changed.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<A: Arithmetic> {
+    /// Applied to every new value.
+    pub settle: Settle<A>,
+    /// What changed so far in this step.
+    pub change: Change<A>,
+}
+
+/// A scheme's kernel as a part of a step.
 struct Tracked<'a, A: Arithmetic, K> {
     kernel: K,
-    change: &'a mut Change<A>,
+    step: &'a mut Step<A>,
 }
 
 impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<'_, A, K> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; N], speed: &[A::Cell], new: &mut [A::Cell]) {
         self.kernel.row(old, speed, new);
-        let before = old.get(N / 2).and_then(|row| row.get(N / 2..)).unwrap_or(&[]);
-        self.change.observe(before.get(..new.len()).unwrap_or(&[]), new);
+        self.step.settle.row(new);
+        self.step.change.observe(centre_of(old, new.len()), new);
     }
 }
 
-/// One tracked sweep of a kernel: what every scheme's `advance` does.
-#[allow(clippy::too_many_arguments, reason = "the planes, the scratch and the rows of one sweep")]
+/// One sweep of a kernel over the active tiles: what every scheme's `advance` does.
 fn tracked<A: Arithmetic, K: Kernel<A, N>, const N: usize>(
     kernel: K,
-    front: &mut [A::Cell],
-    speed: &[A::Cell],
-    ring: &mut [A::Cell],
-    width: usize,
+    band: &mut Band<'_, A::Cell>,
+    tiles: &mut Tiles<'_>,
     rows: Range<usize>,
-    halo: Halo<'_, A::Cell>,
-    change: &mut Change<A>,
+    step: &mut Step<A>,
 ) {
-    advance::<A, _, N>(&mut Tracked { kernel, change }, front, speed, ring, width, rows, halo);
+    advance_active::<A, _, N>(&mut Tracked { kernel, step }, band, tiles, rows);
 }
 
 /// The length of an undivided central difference below which the front counts as flat:

@@ -4,11 +4,11 @@
 //! rim, evenly spread from the axis. The set is symmetric under mirroring and transposition, and
 //! so is every formula, so that a mirrored image gives a mirrored front, exactly.
 
-use super::{Evolve, tracked};
+use super::{Evolve, Step, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
-use crate::stop::Change;
-use crate::sweep::{Cross, Halo, Kernel, cross, shifted};
+use crate::sweep::{Band, Cross, Kernel, cross, shifted};
+use crate::tiles::Tiles;
 use core::ops::Range;
 
 /// Directions strictly inside a quadrant, 64 to the circle: (cos, sin) of k pi / 32.
@@ -74,6 +74,7 @@ impl<A: Arithmetic, const M: usize> Sl<A, M> {
 impl<A: Arithmetic, const M: usize> Kernel<A, 3> for Sl<A, M> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
+        let scheme = *self;
         let Cross { centre, left, right, below, above } = cross(old);
         let [row_below, _, row_above] = *old;
         let corners = row_below.iter().zip(shifted(row_below, 2)).zip(row_above).zip(shifted(row_above, 2));
@@ -85,7 +86,7 @@ impl<A: Arithmetic, const M: usize> Kernel<A, 3> for Sl<A, M> {
             let from_v = |cell: A::Cell| A::level(cell) - v;
             let sides = [from_v(l), from_v(r), from_v(b), from_v(a)];
             let corners = [from_v(bl), from_v(br), from_v(al), from_v(ar)];
-            *new = A::to_level(self.least_within(v, self.reach * A::pixel(g), sides, corners));
+            *new = A::to_level(scheme.least_within(v, scheme.reach * A::pixel(g), sides, corners));
         }
     }
 }
@@ -102,16 +103,7 @@ impl<A: Arithmetic, const M: usize> Evolve<A> for Sl<A, M> {
         3
     }
 
-    fn advance(
-        &self,
-        front: &mut [A::Cell],
-        speed: &[A::Cell],
-        ring: &mut [A::Cell],
-        width: usize,
-        rows: Range<usize>,
-        halo: Halo<'_, A::Cell>,
-        change: &mut Change<A>,
-    ) {
-        tracked::<A, _, 3>(*self, front, speed, ring, width, rows, halo, change);
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        tracked::<A, _, 3>(*self, band, tiles, rows, step);
     }
 }

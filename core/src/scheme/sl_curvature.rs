@@ -1,10 +1,10 @@
 //! Semi-Lagrangian with curvature: `SLg` plus an average along the contour (`SLgk`).
 
-use super::{Evolve, Sl, flat_limit, tracked};
+use super::{Evolve, Sl, Step, flat_limit, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, CurvatureForm, Scheme};
-use crate::stop::Change;
-use crate::sweep::{Halo, Kernel};
+use crate::sweep::{Band, Kernel};
+use crate::tiles::Tiles;
 use core::ops::Range;
 
 /// Rows and columns that the look along the contour can reach.
@@ -87,13 +87,14 @@ impl<A: Arithmetic, const M: usize> SlCurvature<A, M> {
 impl<A: Arithmetic, const M: usize> Kernel<A, WINDOW> for SlCurvature<A, M> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; WINDOW], speed: &[A::Cell], new: &mut [A::Cell]) {
+        let scheme = *self;
         for ((x, new), &g) in new.iter_mut().enumerate().zip(speed) {
             let view = View::<A> { old, x, v: A::level(*new) };
             let sides = [view.at(-1, 0), view.at(1, 0), view.at(0, -1), view.at(0, 1)];
             let corners = [view.at(-1, -1), view.at(1, -1), view.at(-1, 1), view.at(1, 1)];
             let g = A::pixel(g);
-            let moved = self.sl.least_within(view.v, self.sl.reach * g, sides, corners);
-            *new = A::to_level(moved + g * self.curvature(&view, sides));
+            let moved = scheme.sl.least_within(view.v, scheme.sl.reach * g, sides, corners);
+            *new = A::to_level(moved + g * scheme.curvature(&view, sides));
         }
     }
 }
@@ -117,16 +118,7 @@ impl<A: Arithmetic, const M: usize> Evolve<A> for SlCurvature<A, M> {
         WINDOW
     }
 
-    fn advance(
-        &self,
-        front: &mut [A::Cell],
-        speed: &[A::Cell],
-        ring: &mut [A::Cell],
-        width: usize,
-        rows: Range<usize>,
-        halo: Halo<'_, A::Cell>,
-        change: &mut Change<A>,
-    ) {
-        tracked::<A, _, WINDOW>(*self, front, speed, ring, width, rows, halo, change);
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        tracked::<A, _, WINDOW>(*self, band, tiles, rows, step);
     }
 }

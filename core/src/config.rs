@@ -1,6 +1,6 @@
 //! What a run is to do: immutable, validated once, with the paper's values as defaults.
 
-use crate::arithmetic::Arithmetic;
+use crate::arithmetic::{Arithmetic, Cell};
 use crate::error::Error;
 
 /// Step 1: how pixel values become numbers in [0, 1].
@@ -112,6 +112,9 @@ pub enum Scheme {
     Sl,
     /// Semi-Lagrangian with curvature (`SLgk`).
     SlCurvature,
+    /// The first-order equation by arrival times, in one pass (see [`crate::march`]): the front at
+    /// `t_max`. The time step has no meaning there.
+    FastMarching,
 }
 
 /// Which form of the averages in `DFgk` and `SLgk` is computed.
@@ -133,10 +136,16 @@ pub enum Stop {
 }
 
 /// Where the front starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
     /// At the frame's border: the centred `u0`, two pixels inside.
     Frame,
+    /// Near the objects: `margin` pixels outside the level set of the filtered image at the tau of
+    /// `r3`, or at Otsu's threshold of the filtered image where the rescaling has no tau.
+    Threshold {
+        /// 1 to 100 pixels.
+        margin: f32,
+    },
     /// From the values the caller has put into the front plane, in the front's unit.
     Given,
 }
@@ -246,7 +255,7 @@ impl Config {
     /// The paper's time step for a scheme: dx/4, dx^2 with curvature, dx for semi-Lagrangian.
     pub fn paper_dt(scheme: Scheme, dx: f32) -> f32 {
         match scheme {
-            Scheme::Fd => dx / 4.0,
+            Scheme::Fd | Scheme::FastMarching => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
         }
@@ -255,6 +264,11 @@ impl Config {
     /// The same run with another scheme at the paper's time step for it.
     pub fn with_scheme(self, scheme: Scheme) -> Config {
         Config { scheme, dt: Config::paper_dt(scheme, self.dx), ..self }
+    }
+
+    /// `t_max` in pixels of free motion.
+    pub fn farthest(&self) -> f32 {
+        self.t_max / self.dx
     }
 
     /// The most steps the front can take: `t_max / dt`, rounded up.
@@ -275,6 +289,12 @@ impl Config {
         self.validate_front()?;
         self.validate_range(A::NAME, A::LIMIT)?;
         self.validate_curvature(A::NAME, A::LEAST_CURVATURE)?;
+        if self.scheme == Scheme::FastMarching && A::Cell::BYTES < 4 {
+            return Err(Error::Arithmetic {
+                name: A::NAME,
+                reason: "fast marching needs front cells of 32 bits, for times and links",
+            });
+        }
         if A::NEEDS_BAND.is_some_and(|most| self.band.is_none_or(|band| band > most)) {
             return Err(Error::Arithmetic {
                 name: A::NAME,
@@ -373,6 +393,10 @@ impl Config {
             at_least("band", band, 2.0)?;
             at_most("band", band, 1e4)?;
         }
+        if let Start::Threshold { margin } = self.start {
+            at_least("margin", margin, 1.0)?;
+            at_most("margin", margin, 100.0)?;
+        }
         at_least("min_area", self.min_area as f32, 1.0)
     }
 
@@ -381,7 +405,7 @@ impl Config {
     fn longest_step(&self) -> f32 {
         let curvature = self.dx * self.dx / (2.0 * self.nu).max(f32::MIN_POSITIVE);
         let longest = match self.scheme {
-            Scheme::Fd => self.dx / 2.0,
+            Scheme::Fd | Scheme::FastMarching => self.dx / 2.0,
             Scheme::FdCurvature => (self.dx / 2.0).min(curvature),
             Scheme::Sl => self.dx,
             Scheme::SlCurvature => self.dx.min(12.5 * self.dx * self.dx),

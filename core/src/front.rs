@@ -1,7 +1,7 @@
 //! The front before its first step.
 
 use crate::arithmetic::{Arithmetic, Real};
-use crate::config::Config;
+use crate::config::{Config, Scheme};
 use crate::settle::FLOOR;
 
 /// The least width and height: `u0` begins two pixels inside the frame and needs one inside that.
@@ -21,17 +21,21 @@ pub struct Front {
     /// Saturation above and below zero, in units of the front plane.
     band: f32,
     floor: f32,
+    /// One pixel, in units of the front plane.
+    pixel: f32,
 }
 
 impl Front {
     /// The front of a frame of `width` x `height` pixels, each at least [`LEAST_SIDE`].
     pub fn new(config: &Config, width: usize, height: usize) -> Front {
         let shorter = width.min(height).saturating_sub(4);
-        let (unit, band, floor) = match config.band {
-            None => (1.0, f32::MAX, f32::MAX),
-            Some(band) => (shorter as f32 * 0.5, band, FLOOR),
+        let half = shorter as f32 * 0.5;
+        let (unit, band, floor) = match (config.scheme, config.band) {
+            (Scheme::FastMarching, band) => (half, band.unwrap_or(half), FLOOR),
+            (_, Some(band)) => (half, band, FLOOR),
+            (_, None) => (1.0, f32::MAX, f32::MAX),
         };
-        Front { width, height, unit, band, floor }
+        Front { width, height, unit, band, floor, pixel: unit / half }
     }
 
     /// Saturates a front value.
@@ -43,6 +47,15 @@ impl Front {
             -self.floor
         } else {
             value
+        }
+    }
+
+    /// Turns a row of distances to the objects, in pixels, into a front `margin` pixels outside.
+    pub fn outside_row<A: Arithmetic>(&self, margin: f32, row: &mut [A::Cell]) {
+        for cell in row {
+            let depth = margin - A::level(*cell).to_f32();
+            let depth = if depth < -FLOOR { -FLOOR } else { depth };
+            *cell = A::to_level(A::Real::of(self.saturate(depth * self.pixel)));
         }
     }
 

@@ -2,13 +2,14 @@
 
 use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::catalog::Source;
-use crate::config::{Config, Filter, Normalize, Rescale, Start, Tau};
+use crate::config::{Config, Filter, Normalize, Rescale, Scheme, Start, Tau};
 use crate::edge::{EdgeDetector, GradientRange};
 use crate::error::Error;
 use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
 use crate::front::{Front, LEAST_SIDE};
 use crate::label::{Damaged, Table};
+use crate::march::March;
 use crate::memory::{Memory, flags_len};
 use crate::normalize::{self, Extremes, Range};
 use crate::otsu::Histogram;
@@ -18,6 +19,7 @@ use crate::scheme::{AnyScheme, Evolve, Step};
 use crate::select::Select;
 use crate::settle::Settle;
 use crate::stage::Stage;
+use crate::start;
 use crate::stop::{Change, StopRule};
 use crate::sweep::{Band, Halo, Kernel, advance, row_of, row_of_mut};
 use crate::tiles::{Tiles, rows_of_tile};
@@ -35,6 +37,8 @@ struct State<A: Arithmetic> {
     histogram: Histogram,
     tau: f32,
     gradient: GradientRange<A>,
+    march: March,
+    marching: bool,
     change: Change<A>,
     last_change: f32,
     reason: StopReason,
@@ -95,6 +99,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             histogram: Histogram::EMPTY,
             tau: 0.0,
             gradient: GradientRange::none(),
+            march: March::new(config.farthest()),
+            marching: true,
             change: Change::none(&rule),
             last_change: 0.0,
             reason: StopReason::TimeLimit,
@@ -169,7 +175,10 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
                     rescaler.row(image);
                 }
             }
+            Stage::StartLevel => image.iter().for_each(|&cell| state.histogram.add(A::pixel(cell).to_f32())),
+            Stage::StartMark | Stage::StartUp | Stage::StartDown => self.start_row(y),
             Stage::Front => self.front_row(y).map_err(corrupted)?,
+            Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => self.march_row(y),
             _ => self.label_row(y).map_err(corrupted)?,
         }
         Ok(())
@@ -179,6 +188,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let row = row_of_mut(self.memory.front, self.width, y);
         match self.config.start {
             Start::Frame => self.front.row::<A>(y, row),
+            Start::Threshold { margin } => self.front.outside_row::<A>(margin, row),
             Start::Given => {
                 for cell in row {
                     let value = A::level(*cell).to_f32();
@@ -190,6 +200,41 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             }
         }
         Ok(())
+    }
+
+    fn start_row(&mut self, y: usize) {
+        let Start::Threshold { margin } = self.config.start else { return };
+        let (width, last) = (self.width, self.height.saturating_sub(1));
+        let front = &mut *self.memory.front;
+        match self.state.stage {
+            Stage::StartMark => {
+                let image = row_of(self.memory.image, width, y);
+                start::mark_row::<A>(image, self.state.tau, margin, row_of_mut(front, width, y));
+            }
+            // The rows above y are not touched: the row before lies at a lower index.
+            Stage::StartUp => {
+                let (before, rest) = front.split_at_mut_checked(y * width).unwrap_or((&mut [], &mut []));
+                start::spread_row::<A>(row_of(before, width, y.wrapping_sub(1)), row_of_mut(rest, width, 0));
+            }
+            _ => {
+                let (rows, after) = front.split_at_mut_checked((last - y + 1) * width).unwrap_or((&mut [], &mut []));
+                let before = if y == 0 { &[] } else { row_of(after, width, 0) };
+                start::spread_row::<A>(before, row_of_mut(rows, width, last - y));
+            }
+        }
+    }
+
+    fn march_row(&mut self, y: usize) {
+        let (width, pixels) = (self.width, self.width.saturating_mul(self.height));
+        let front = self.memory.front.get_mut(..pixels).unwrap_or(&mut []);
+        let speed = self.memory.image.get(..pixels).unwrap_or(&[]);
+        let state = &mut self.state;
+        match state.stage {
+            Stage::Seed => March::seed_row::<A>(row_of_mut(front, width, y)),
+            Stage::Sow => state.march.sow_row::<A>(front, speed, width, y),
+            Stage::March => state.marching = state.march.advance::<A>(front, speed, width, width),
+            _ => March::level_row::<A>(row_of_mut(front, width, y), self.config.farthest()),
+        }
     }
 
     fn label_row(&mut self, y: usize) -> Result<(), &'static str> {
@@ -286,7 +331,13 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
                     _ => state.fill = value,
                 }
             }
-            Stage::Otsu => state.tau = state.histogram.otsu(),
+            Stage::Otsu | Stage::StartLevel => state.tau = state.histogram.otsu(),
+            Stage::March if state.marching => return Ok(()),
+            Stage::March => {
+                // The time of the last arrival, in steps.
+                state.steps = (state.march.latest() * self.config.dx / self.config.dt) as u32;
+                state.reason = StopReason::Rest;
+            }
             Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),
             Stage::Evolve => {
                 state.steps = state.pass;
@@ -324,7 +375,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             }
             (Stage::Evolve, _) => Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake(),
             (Stage::Measure, _) => {
-                for (label, source) in (1..).zip(self.memory.sources.iter_mut()) {
+                for (label, source) in (1..=state.numbered).zip(self.memory.sources.iter_mut()) {
                     *source = Source::empty(label);
                 }
             }
@@ -336,8 +387,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// The stage after `stage`, without those that this configuration and image do not need.
     fn stage_after(&self, stage: Stage) -> Stage {
         let mut next = stage.following(self.config.order);
-        // No more than the four optional stages can follow each other.
-        for _ in 0..4 {
+        // No more than seven optional stages can follow each other.
+        for _ in 0..7 {
             if self.needed(next) {
                 break;
             }
@@ -347,6 +398,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     }
 
     fn needed(&self, stage: Stage) -> bool {
+        let starts_near = matches!(self.config.start, Start::Threshold { .. });
+        let marches = self.config.scheme == Scheme::FastMarching;
         match stage {
             Stage::LowPercentile | Stage::HighPercentile => {
                 matches!(self.config.normalize, Normalize::Percentile { .. })
@@ -354,6 +407,10 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             Stage::Median => (self.state.extremes.defined as usize) < self.width.saturating_mul(self.height),
             Stage::Otsu => matches!(self.config.rescale, Rescale::R3 { tau: Tau::Otsu, .. }),
             Stage::Rescale => self.config.rescale != Rescale::None,
+            Stage::StartLevel => starts_near && !matches!(self.config.rescale, Rescale::R3 { .. }),
+            Stage::StartMark | Stage::StartUp | Stage::StartDown => starts_near,
+            Stage::Evolve => !marches,
+            Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => marches,
             Stage::Filter => self.config.filter != Filter::None && self.config.filter_steps > 0,
             _ => true,
         }

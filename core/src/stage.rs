@@ -21,6 +21,14 @@ pub enum Stage {
     Rescale,
     /// The filter, one pass a step.
     Filter,
+    /// Otsu's threshold of the filtered image, where a start near the objects asks for it.
+    StartLevel,
+    /// Which pixels lie above the level, where the front starts near the objects.
+    StartMark,
+    /// Distances to them, spreading to higher rows.
+    StartUp,
+    /// Distances to them, spreading to lower rows.
+    StartDown,
     /// Extremes of the gradient.
     Gradient,
     /// The image plane becomes the edge detector.
@@ -29,6 +37,14 @@ pub enum Stage {
     Front,
     /// The front moves, one pass a step.
     Evolve,
+    /// `u0` becomes times of arrival (fast marching, as the next three).
+    Seed,
+    /// The first pixels are put into their buckets.
+    Sow,
+    /// Pixels are settled, as many a row as a row has columns, in passes until none is left.
+    March,
+    /// Times become the front at `t_max`.
+    Arrive,
     /// Provisional labels (label pass 1).
     Provisional,
     /// Label pass 2, over the table.
@@ -55,11 +71,19 @@ impl Stage {
             (Stage::Normalize, RescaleFirst) | (Stage::Filter, FilterFirst) => Stage::Otsu,
             (Stage::Otsu, _) => Stage::Rescale,
             (Stage::Normalize, FilterFirst) | (Stage::Rescale, RescaleFirst) => Stage::Filter,
-            (Stage::Rescale, FilterFirst) | (Stage::Filter, RescaleFirst) => Stage::Gradient,
+            (Stage::Rescale, FilterFirst) | (Stage::Filter, RescaleFirst) => Stage::StartLevel,
+            (Stage::StartLevel, _) => Stage::StartMark,
+            (Stage::StartMark, _) => Stage::StartUp,
+            (Stage::StartUp, _) => Stage::StartDown,
+            (Stage::StartDown, _) => Stage::Gradient,
             (Stage::Gradient, _) => Stage::Edge,
             (Stage::Edge, _) => Stage::Front,
             (Stage::Front, _) => Stage::Evolve,
-            (Stage::Evolve, _) => Stage::Provisional,
+            (Stage::Evolve, _) => Stage::Seed,
+            (Stage::Seed, _) => Stage::Sow,
+            (Stage::Sow, _) => Stage::March,
+            (Stage::March, _) => Stage::Arrive,
+            (Stage::Arrive, _) => Stage::Provisional,
             (Stage::Provisional, _) => Stage::Resolve,
             (Stage::Resolve, _) => Stage::Count,
             (Stage::Count, _) => Stage::Number,

@@ -6,11 +6,14 @@ use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
-use skyfront_core::memory::{Memory, ring_cells};
+use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::{Outcome, Progress};
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::stage::Stage;
 use std::time::{Duration, Instant};
+
+/// Room in the catalogue; more sources are counted and reported.
+pub const MOST_SOURCES: usize = 100_000;
 
 /// Planes as they stood after a step, row-major, for pictures and comparisons.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -95,9 +98,16 @@ pub fn segment_in<A: Arithmetic>(
     let mut front = vec![A::Cell::default(); count];
     let mut ring = vec![A::Cell::default(); ring_cells(width, config.scheme == Scheme::SlCurvature)];
     let mut samples = vec![0.0; width];
-    let mut sources = vec![Source::empty(0); (count / 4).max(1)];
-    let memory =
-        Memory { image: &mut image, front: &mut front, ring: &mut ring, samples: &mut samples, sources: &mut sources };
+    let mut tiles = vec![0; flags_len(width, height)];
+    let mut sources = vec![Source::empty(0); (count / 4).clamp(1, MOST_SOURCES)];
+    let memory = Memory {
+        image: &mut image,
+        front: &mut front,
+        ring: &mut ring,
+        tiles: &mut tiles,
+        samples: &mut samples,
+        sources: &mut sources,
+    };
     let mut segmenter = Segmenter::<A>::new(config, width, height, memory)?;
     let mut stages = StagePlanes::default();
     let (mut convergence, mut seconds, mut front_values) = (Vec::new(), Vec::new(), Vec::new());

@@ -7,7 +7,7 @@ use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Edge, Filter, Normalize, Rescale, Scheme, Start, Stop, Tau};
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
-use skyfront_core::memory::{Memory, ring_cells};
+use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::{Outcome, Progress};
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::Kind;
@@ -82,7 +82,15 @@ fn core_run(config: &Config, pixels: &[f32], front: &mut [f32], room: usize) -> 
     let mut image = vec![0.0; WIDTH * HEIGHT];
     let mut ring = vec![0.0; ring_cells(WIDTH, config.scheme == Scheme::SlCurvature)];
     let (mut samples, mut sources) = (vec![0.0; WIDTH], vec![Source::empty(0); room]);
-    let memory = Memory { image: &mut image, front, ring: &mut ring, samples: &mut samples, sources: &mut sources };
+    let mut tiles = vec![0; flags_len(WIDTH, HEIGHT)];
+    let memory = Memory {
+        image: &mut image,
+        front,
+        ring: &mut ring,
+        tiles: &mut tiles,
+        samples: &mut samples,
+        sources: &mut sources,
+    };
     let mut segmenter = Segmenter::<F32>::new(config, WIDTH, HEIGHT, memory)?;
     loop {
         if let Progress::Done(outcome) = segmenter.poll(3, &mut SliceFrame(pixels))? {
@@ -153,8 +161,15 @@ fn what_a_caller_can_get_wrong_is_an_error_with_names_and_numbers() {
 fn memory_that_is_too_short_is_named() {
     let mut plane = vec![0.0; WIDTH * HEIGHT];
     let (mut short, mut ring, mut samples) = (vec![0.0; 9], vec![0.0; ring_cells(WIDTH, false)], vec![0.0; WIDTH]);
-    let memory =
-        Memory { image: &mut plane, front: &mut short, ring: &mut ring, samples: &mut samples, sources: &mut [] };
+    let mut tiles = vec![0; flags_len(WIDTH, HEIGHT)];
+    let memory = Memory {
+        image: &mut plane,
+        front: &mut short,
+        ring: &mut ring,
+        tiles: &mut tiles,
+        samples: &mut samples,
+        sources: &mut [],
+    };
     let error = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, memory).expect_err("a short plane");
     assert_eq!(error, Error::Length { name: "the front plane", given: 9, needed: WIDTH * HEIGHT });
 }

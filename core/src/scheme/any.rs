@@ -1,6 +1,6 @@
 //! The scheme chosen at run time.
 
-use super::{Evolve, Fd, FdCurvature, Sl, SlCurvature, Step};
+use super::{Evolve, Fd, FdCurvature, Marching, Sl, SlCurvature, Step};
 use crate::arithmetic::Arithmetic;
 use crate::config::{Config, Scheme};
 use crate::sweep::Band;
@@ -22,6 +22,8 @@ pub enum AnyScheme<A: Arithmetic> {
     SlCurvature(SlCurvature<A>),
     /// `SLgk`, 64 directions.
     SlCurvatureFine(SlCurvature<A, 15>),
+    /// No steps at all.
+    FastMarching(Marching),
 }
 
 /// The same expression for whichever scheme it is.
@@ -34,6 +36,7 @@ macro_rules! each {
             AnyScheme::SlFine($scheme) => $expression,
             AnyScheme::SlCurvature($scheme) => $expression,
             AnyScheme::SlCurvatureFine($scheme) => $expression,
+            AnyScheme::FastMarching($scheme) => $expression,
         }
     };
 }
@@ -46,6 +49,7 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
             (Scheme::FdCurvature, _) => FdCurvature::new(config, unit).map(AnyScheme::FdCurvature),
             (Scheme::Sl, false) => Sl::new(config, unit).map(AnyScheme::Sl),
             (Scheme::Sl, true) => Sl::new(config, unit).map(AnyScheme::SlFine),
+            (Scheme::FastMarching, _) => <Marching as Evolve<A>>::new(config, unit).map(AnyScheme::FastMarching),
             (Scheme::SlCurvature, false) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvature),
             (Scheme::SlCurvature, true) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvatureFine),
         }
@@ -56,6 +60,6 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
     }
 
     fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
-        each!(self, scheme => scheme.advance(band, tiles, rows, step));
+        each!(self, scheme => Evolve::<A>::advance(scheme, band, tiles, rows, step));
     }
 }

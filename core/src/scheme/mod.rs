@@ -6,12 +6,14 @@
 mod any;
 mod fd;
 mod fd_curvature;
+mod marching;
 mod sl;
 mod sl_curvature;
 
 pub use any::AnyScheme;
 pub use fd::Fd;
 pub use fd_curvature::FdCurvature;
+pub use marching::Marching;
 pub use sl::Sl;
 pub use sl_curvature::SlCurvature;
 

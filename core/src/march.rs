@@ -1,0 +1,294 @@
+//! Arrival times in one pass: `g |grad T| = 1`, the stationary form of the first-order equation.
+//!
+//! Where g does not change with time, the front is at a pixel at most once, and the time T of its
+//! arrival is smaller at the neighbours it came from: pixels can be settled in the order of T
+//! (fast marching, doi:10.1073/pnas.93.4.1591), here through a ring of buckets in place of a heap
+//! (doi:10.1016/j.jcp.2005.08.005). Times are in pixels of free motion: T `dx` is the paper's t.
+//!
+//! No memory beside the front plane is needed. A cell holds a time, or the next pixel of its
+//! bucket's list, or nothing yet. A pixel lies in one list at a time, under a time at which it can
+//! arrive at the earliest, given that all pixels without a time arrive later than now. When that
+//! bucket's turn comes, the pixel's time is computed: it is settled if it falls into the bucket,
+//! else it moves to a later one. So a time is never changed, only found.
+//!
+//! Within a bucket of [`WIDTH`] pixels of time the order is that of the lists, fixed but not
+//! sorted; a time comes out too late by at most `WIDTH^2 / 2` per pixel where that matters.
+
+use crate::arithmetic::{Arithmetic, Cell, Real};
+use crate::machine::{Machine, Plain};
+use crate::settle::FLOOR;
+
+/// Time that a bucket spans, in pixels of free motion.
+pub const WIDTH: f32 = 0.125;
+/// Buckets of the ring: pixels that arrive later than all of them wait in the last one.
+const BUCKETS: u32 = 64;
+/// Added to all times, which may be negative at the start: their sign tells them from links.
+const OFFSET: f32 = 2.0;
+/// The sign bit: the cell holds a link to the next pixel of a list.
+const LINK: u32 = 1 << 31;
+/// The link of the last pixel of a list.
+const END: u32 = 0x7F00_0000;
+/// The time of a pixel that is in no list yet.
+const FAR: f32 = f32::MAX;
+
+/// Longer than any run, which takes at most 100 000 steps of a pixel.
+const NEVER: f32 = 1e6;
+
+/// The lists, and how far the time is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct March {
+    heads: [u32; BUCKETS as usize],
+    /// The next pixel of the bucket at work.
+    next: u32,
+    bucket: u32,
+    last_bucket: u32,
+    /// The greatest time that was settled.
+    latest: f32,
+}
+
+/// The two planes of a march.
+struct Planes<'a, A: Arithmetic> {
+    front: &'a mut [A::Cell],
+    speed: &'a [A::Cell],
+    width: usize,
+}
+
+/// What is known around a pixel: the least settled time along either axis, and whether a pixel
+/// that is not settled yet lies on it.
+struct Around {
+    times: [f32; 2],
+    open: [bool; 2],
+}
+
+impl<A: Arithmetic> Planes<'_, A> {
+    fn bits(&self, pixel: u32) -> u32 {
+        self.front.get(pixel as usize).map_or(0, |cell| cell.bits())
+    }
+
+    fn set(&mut self, pixel: u32, bits: u32) {
+        if let Some(cell) = self.front.get_mut(pixel as usize) {
+            *cell = A::Cell::from_bits(bits);
+        }
+    }
+
+    /// Pixels of time that it takes to cross the pixel, [`NEVER`] at most.
+    fn delay(&self, pixel: u32) -> f32 {
+        let g = self.speed.get(pixel as usize).map_or(0.0, |&cell| A::pixel(cell).to_f32());
+        if g * NEVER > 1.0 { 1.0 / g } else { NEVER }
+    }
+
+    /// The neighbours to the left and right, below and above; `None` beyond the frame.
+    fn neighbours(&self, pixel: u32) -> [[Option<u32>; 2]; 2] {
+        let (width, last) = (self.width as u32, (self.front.len() as u32).saturating_sub(1));
+        let column = pixel % width.max(1);
+        let left = if column > 0 { pixel.checked_sub(1) } else { None };
+        let right = if column + 1 < width { pixel.checked_add(1) } else { None };
+        [[left, right], [pixel.checked_sub(width), pixel.checked_add(width).filter(|&above| above <= last)]]
+    }
+
+    fn around(&self, neighbours: &[[Option<u32>; 2]; 2]) -> Around {
+        let (mut times, mut open) = ([FAR; 2], [false; 2]);
+        for ((time, open), pair) in times.iter_mut().zip(&mut open).zip(neighbours) {
+            for &neighbour in pair.iter().flatten() {
+                let bits = self.bits(neighbour);
+                if bits & LINK == 0 && bits != FAR.to_bits() {
+                    let known = f32::from_bits(bits);
+                    *time = if known < *time { known } else { *time };
+                } else {
+                    *open = true;
+                }
+            }
+        }
+        Around { times, open }
+    }
+}
+
+/// The time at a pixel from the times `h` and `v` along the two axes: the larger root of
+/// `(T-h)^2 + (T-v)^2 = delay^2`, or from one axis alone where the other is too late to matter.
+fn arrival(h: f32, v: f32, delay: f32) -> f32 {
+    let (first, second) = if h < v { (h, v) } else { (v, h) };
+    let lag = second - first;
+    if lag < delay { 0.5 * ((first + second) + Plain::sqrt(2.0 * delay * delay - lag * lag)) } else { first + delay }
+}
+
+impl March {
+    /// A march up to the time `t_max`, in pixels of free motion.
+    pub fn new(t_max: f32) -> March {
+        let last_bucket = ((t_max + OFFSET) / WIDTH) as u32;
+        March { heads: [END; BUCKETS as usize], next: END, bucket: 0, last_bucket, latest: 0.0 }
+    }
+
+    /// Turns a row of `u0`, in pixels, into times: pixels outside the front have theirs.
+    pub fn seed_row<A: Arithmetic>(row: &mut [A::Cell]) {
+        for cell in row {
+            let u = A::level(*cell).to_f32();
+            let time = if u > 0.0 { FAR } else { (if u < -FLOOR { -FLOOR } else { u }) + OFFSET };
+            *cell = A::Cell::from_bits(time.to_bits());
+        }
+    }
+
+    /// Puts the pixels beside the settled ones of row `y` into the lists.
+    pub fn sow_row<A: Arithmetic>(&mut self, front: &mut [A::Cell], speed: &[A::Cell], width: usize, y: usize) {
+        let mut planes = Planes::<A> { front, speed, width };
+        let first = (y * width) as u32;
+        for pixel in first..first + width as u32 {
+            let bits = planes.bits(pixel);
+            if bits & LINK == 0 && bits != FAR.to_bits() {
+                let neighbours = planes.neighbours(pixel);
+                self.reach(&mut planes, &neighbours, f32::from_bits(bits));
+            }
+        }
+    }
+
+    /// Looks at `pixels` pixels or empty buckets; whether there is more to do.
+    pub fn advance<A: Arithmetic>(
+        &mut self,
+        front: &mut [A::Cell],
+        speed: &[A::Cell],
+        width: usize,
+        pixels: usize,
+    ) -> bool {
+        let mut planes = Planes::<A> { front, speed, width };
+        for _ in 0..pixels {
+            if self.next != END {
+                self.look(&mut planes);
+            } else if self.bucket < self.last_bucket {
+                self.bucket += 1;
+                if let Some(head) = self.heads.get_mut((self.bucket % BUCKETS) as usize) {
+                    (self.next, *head) = (*head, END);
+                }
+            } else {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Takes the next pixel of the bucket: settles it, or moves it to a later bucket.
+    fn look<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>) {
+        let pixel = self.next;
+        self.next = planes.bits(pixel) & !LINK;
+        let (delay, neighbours) = (planes.delay(pixel), planes.neighbours(pixel));
+        let Around { times: [h, v], open: [open_h, open_v] } = planes.around(&neighbours);
+        let end = (self.bucket + 1) as f32 * WIDTH;
+        let time = arrival(h, v, delay);
+        if time < end {
+            planes.set(pixel, time.to_bits());
+            self.latest = if time > self.latest { time } else { self.latest };
+            self.reach(planes, &neighbours, time);
+        } else {
+            let earliest = |known: f32, open: bool| if open && end < known { end } else { known };
+            let time = arrival(earliest(h, open_h), earliest(v, open_v), delay);
+            self.wait(planes, pixel, time, self.bucket + 1);
+        }
+    }
+
+    /// The pixels around one that is settled at `time` can be next.
+    fn reach<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>, neighbours: &[[Option<u32>; 2]; 2], time: f32) {
+        let now = self.bucket as f32 * WIDTH;
+        let earliest = if time < now { time } else { now };
+        for &neighbour in neighbours.iter().flatten().flatten() {
+            if planes.bits(neighbour) == FAR.to_bits() {
+                let soonest = arrival(earliest, now, planes.delay(neighbour));
+                self.wait(planes, neighbour, soonest, self.bucket);
+            }
+        }
+    }
+
+    /// Puts a pixel into the list of the bucket of `time`, `first` at the earliest. Beyond the
+    /// last bucket it is in no list.
+    fn wait<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>, pixel: u32, time: f32, first: u32) {
+        let bucket = (time / WIDTH) as u32;
+        if bucket > self.last_bucket {
+            planes.set(pixel, FAR.to_bits());
+            return;
+        }
+        let bucket = bucket.max(first).min(self.bucket + (BUCKETS - 1));
+        let head = match self.heads.get_mut((bucket % BUCKETS) as usize) {
+            Some(head) if bucket != self.bucket => head,
+            _ => &mut self.next,
+        };
+        planes.set(pixel, LINK | *head);
+        *head = pixel;
+    }
+
+    /// Turns a row of times into a front at `t_max` pixels of free motion: `T - t_max` where it
+    /// has been, 1 where it has not.
+    pub fn level_row<A: Arithmetic>(row: &mut [A::Cell], t_max: f32) {
+        for cell in row {
+            let bits = cell.bits();
+            let reached = bits & LINK == 0 && bits != FAR.to_bits();
+            let level = if reached { (f32::from_bits(bits) - OFFSET) - t_max } else { 1.0 };
+            *cell = A::to_level(A::Real::of(if level > 0.0 && reached { 1.0 } else { level }));
+        }
+    }
+
+    /// The latest arrival, in pixels of free motion.
+    pub fn latest(&self) -> f32 {
+        self.latest - OFFSET
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    const SIDE: usize = 41;
+
+    /// Arrival times from the middle pixel.
+    fn times(speed: &[f32], slice: usize) -> [f32; SIDE * SIDE] {
+        let mut front = [1.0f32; SIDE * SIDE];
+        front[SIDE * SIDE / 2] = 0.0;
+        let t_max = 200.0;
+        let mut march = March::new(t_max);
+        front.chunks_exact_mut(SIDE).for_each(March::seed_row::<F32>);
+        (0..SIDE).for_each(|y| march.sow_row::<F32>(&mut front, speed, SIDE, y));
+        while march.advance::<F32>(&mut front, speed, SIDE, slice) {}
+        March::level_row::<F32>(&mut front, t_max);
+        front.map(|level| if level > 0.0 { f32::INFINITY } else { level + t_max })
+    }
+
+    #[test]
+    fn free_motion_arrives_after_the_distance() {
+        let times = times(&[1.0; SIDE * SIDE], 7);
+        for (index, &time) in times.iter().enumerate() {
+            let (x, y) = ((index % SIDE) as f32 - 20.0, (index / SIDE) as f32 - 20.0);
+            let distance = (x * x + y * y).sqrt();
+            // First order: a point source is smeared by a logarithm of the distance.
+            assert!(time >= distance - 1e-3 && time < distance + 0.5 + 0.6 * (1.0 + distance).ln(), "{x} {y} {time}");
+        }
+        assert_eq!(times[20 * SIDE], 20.0);
+    }
+
+    #[test]
+    fn walls_are_walked_around_and_slow_pixels_take_their_time() {
+        let mut speed = [1.0; SIDE * SIDE];
+        for (y, row) in speed.chunks_exact_mut(SIDE).enumerate() {
+            row[25] = if y < 39 { 0.0 } else { 0.25 };
+        }
+        let times = times(&speed, usize::MAX);
+        assert_eq!(times[20 * SIDE + 25], f32::INFINITY);
+        assert!(times[20 * SIDE + 26] > 38.0 && times[20 * SIDE + 26] < 60.0, "{}", times[20 * SIDE + 26]);
+        assert!(times[39 * SIDE + 25] - times[39 * SIDE + 24] > 2.5);
+    }
+
+    #[test]
+    fn slices_change_nothing_and_every_time_solves_the_equation() {
+        let mut seed = 1u32;
+        let speed = [0.0f32; SIDE * SIDE].map(|_| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            0.05 + 0.95 * (seed >> 8) as f32 / (1 << 24) as f32
+        });
+        let found = times(&speed, 1);
+        assert_eq!(found.map(f32::to_bits), times(&speed, 1000).map(f32::to_bits));
+        let at = |x: usize, y: usize| if x < SIDE && y < SIDE { found[y * SIDE + x] } else { FAR };
+        for (index, &time) in found.iter().enumerate().filter(|&(index, _)| index != SIDE * SIDE / 2) {
+            let (x, y) = (index % SIDE, index / SIDE);
+            let h = at(x.wrapping_sub(1), y).min(at(x + 1, y));
+            let v = at(x, y.wrapping_sub(1)).min(at(x, y + 1));
+            let exact = arrival(h, v, 1.0 / speed[index]);
+            assert!(time >= exact - 1e-3 && time <= exact + WIDTH * WIDTH, "{x} {y}: {time}, {exact}");
+        }
+    }
+}

@@ -15,7 +15,7 @@ pub trait Task {
 }
 
 /// A processor, as the row loops see it.
-pub trait Machine: Copy + Default + core::fmt::Debug + 'static {
+pub trait Machine: Copy + Default + core::fmt::Debug + Send + Sync + 'static {
     /// The square root of `x >= 0`, correctly rounded (IEEE 754, ties to even).
     fn sqrt(x: f32) -> f32;
 

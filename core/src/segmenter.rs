@@ -67,6 +67,27 @@ pub struct Segmenter<'m, A: Arithmetic, S: Evolve<A> = AnyScheme<A>> {
     state: State<A>,
 }
 
+/// A front about to move: see [`Segmenter::evolution`].
+#[derive(Debug)]
+pub struct Evolution<'a, A: Arithmetic, S> {
+    /// The front, row-major.
+    pub front: &'a mut [A::Cell],
+    /// The edge detector.
+    pub speed: &'a [A::Cell],
+    /// Columns.
+    pub width: usize,
+    /// Rows of a tile.
+    pub tile_rows: usize,
+    /// The scheme.
+    pub scheme: &'a S,
+    /// When the front has stopped.
+    pub rule: StopRule<A>,
+    /// How new values are settled.
+    pub settle: Settle<A>,
+    /// The most steps it can take.
+    pub max_steps: u32,
+}
+
 impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// Sets up a run; nothing can be wrong with the parameters or the memory afterwards.
     ///
@@ -443,6 +464,35 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             unlabelled: state.unlabelled,
             work: state.work,
         }
+    }
+
+    /// The evolution, while it is at the start of a step: what a caller needs who moves the front
+    /// by its own means, in bands on several processors, and then tells
+    /// [`Self::finish_evolution`].
+    pub fn evolution(&mut self) -> Option<Evolution<'_, A, S>> {
+        let pixels = self.width.saturating_mul(self.height);
+        let due = self.state.stage == Stage::Evolve && self.state.row == 0 && self.state.pass == 0;
+        due.then_some(Evolution {
+            front: self.memory.front.get_mut(..pixels)?,
+            speed: self.memory.image.get(..pixels)?,
+            width: self.width,
+            tile_rows: rows_of_tile(self.height),
+            scheme: &self.scheme,
+            rule: self.rule,
+            settle: self.settle,
+            max_steps: self.config.max_steps(),
+        })
+    }
+
+    /// Ends an evolution that was done elsewhere: the number of steps and the last one's change.
+    ///
+    /// # Errors
+    /// Those of [`Self::poll`], without the frame's.
+    pub fn finish_evolution(&mut self, steps: u32, change: Change<A>) -> Result<Progress, Error> {
+        self.state.work = self.state.work.saturating_add(u64::from(steps).saturating_mul(self.height as u64));
+        (self.state.pass, self.state.change) = (steps.saturating_sub(1), change);
+        self.end_pass()?;
+        Ok(self.progress())
     }
 
     /// The image plane: W x H cells that hold what the stage under way makes of them.

@@ -46,7 +46,9 @@ pub fn write(
         0 => 0.0,
         label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
     })?;
-    write_plane(products, "front.fits", (width, height), &header, |index| run.front[index])?;
+    if !run.front.is_empty() {
+        write_front(products, config, input, image, &|index| run.front[index])?;
+    }
     let catalogue = Catalogue::of(image, run, &request.extras);
     for &format in &request.formats {
         catalogue.write(format, &provenance, products)?;
@@ -88,6 +90,22 @@ fn write_outlines(
         products.write(outline::POLYGONS, |out| outline::write_polygons(&rings, catalogue.sky.as_ref(), out))?;
     }
     Ok(())
+}
+
+/// Writes the final front.
+///
+/// # Errors
+/// What kept it from being written.
+pub fn write_front(
+    products: &mut Products,
+    config: &Config,
+    input: &str,
+    image: &Image,
+    front: &dyn Fn(usize) -> f32,
+) -> Result<(), WriteError> {
+    let mut header = wcs::entries(&image.header);
+    header.extend(provenance::entries(config, input, image.checksum));
+    write_plane(products, "front.fits", (image.width, image.height), &header, front)
 }
 
 fn with_unit(header: &[Entry], unit: &str) -> Vec<Entry> {

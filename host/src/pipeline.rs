@@ -1,6 +1,8 @@
 //! One image through the core: memory, the poll loop, and what the outputs need.
 
 use crate::machine::Native;
+use crate::parallel::evolve;
+use crate::planes::plane;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Real};
 use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
@@ -37,7 +39,7 @@ pub struct Segmentation {
     pub height: usize,
     /// Labels, row-major, 0 = background.
     pub labels: Vec<u32>,
-    /// The final front, in its unit.
+    /// The final front, in its unit; empty where it was given away.
     pub front: Vec<f32>,
     /// Planes of the steps, where they were asked for.
     pub stages: Option<StagePlanes>,
@@ -57,14 +59,18 @@ pub struct Drive<'a> {
     pub slice: usize,
     /// Whether to keep the planes of the steps.
     pub keep_stages: bool,
+    /// Threads for the evolution.
+    pub threads: usize,
+    /// Takes the final front, by index, in its unit; without it the front is kept in the result.
+    pub take_front: Option<&'a mut dyn FnMut(&dyn Fn(usize) -> f32)>,
     /// Called after every poll.
     pub watch: Option<&'a mut dyn FnMut(&Progress)>,
 }
 
 impl Default for Drive<'_> {
-    /// Whole passes, no stages kept, nobody watching.
+    /// Whole passes on one thread, no stages kept, nobody watching.
     fn default() -> Self {
-        Drive { slice: usize::MAX, keep_stages: false, watch: None }
+        Drive { slice: usize::MAX, keep_stages: false, threads: 1, take_front: None, watch: None }
     }
 }
 
@@ -94,8 +100,8 @@ pub fn segment_in<A: Arithmetic>(
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
     let count = width * height;
-    let mut image = vec![A::Cell::default(); count];
-    let mut front = vec![A::Cell::default(); count];
+    let mut image = plane::<A::Cell>(count);
+    let mut front = plane::<A::Cell>(count);
     let mut ring = vec![A::Cell::default(); ring_cells(width, config.scheme == Scheme::SlCurvature)];
     let mut samples = vec![0.0; width];
     let mut tiles = vec![0; flags_len(width, height)];
@@ -113,7 +119,23 @@ pub fn segment_in<A: Arithmetic>(
     let (mut convergence, mut seconds, mut front_values) = (Vec::new(), Vec::new(), Vec::new());
     let (mut stage, mut started) = (segmenter.stage(), Instant::now());
     let outcome = loop {
-        let progress = segmenter.poll(drive.slice, &mut SliceFrame(pixels))?;
+        let bands = if drive.threads > 1 { segmenter.evolution() } else { None };
+        let progress = match bands {
+            None => segmenter.poll(drive.slice, &mut SliceFrame(pixels))?,
+            Some(evolution) => {
+                let rule = evolution.rule;
+                let (steps, change) = evolve(evolution, drive.threads, &mut |pass, change| {
+                    let last_change = rule.norm(change);
+                    convergence.push(last_change);
+                    if let Some(watch) = &mut drive.watch {
+                        watch(&Progress::Working { stage: Stage::Evolve, pass, row: 0, last_change });
+                    }
+                });
+                // The last step's change comes with the outcome, as in a run by polls.
+                convergence.pop();
+                segmenter.finish_evolution(steps, change)?
+            }
+        };
         if let Some(watch) = &mut drive.watch {
             watch(&progress);
         }
@@ -130,8 +152,13 @@ pub fn segment_in<A: Arithmetic>(
                 Stage::Rescale if drive.keep_stages => stages.rescaled = image(),
                 Stage::Filter if drive.keep_stages => stages.filtered = image(),
                 Stage::Edge if drive.keep_stages => stages.edge = image(),
-                Stage::Evolve => {
-                    front_values = segmenter.front().iter().map(|&cell| A::level(cell).to_f32()).collect();
+                Stage::Evolve | Stage::Arrive => {
+                    let front = segmenter.front();
+                    let value = |index: usize| A::level(front[index]).to_f32();
+                    match &mut drive.take_front {
+                        Some(take) => take(&value),
+                        None => front_values = (0..count).map(value).collect(),
+                    }
                 }
                 _ => {}
             }
@@ -142,8 +169,10 @@ pub fn segment_in<A: Arithmetic>(
         }
     };
     convergence.push(outcome.last_change);
-    let labels = segmenter.front().iter().map(|cell| cell.label()).collect();
-    let catalogue = segmenter.catalog().to_vec();
+    sources.truncate(outcome.catalogued as usize);
+    // The labels take the place of the front, in its own memory where cells have the same size.
+    drop(image);
+    let labels = front.into_iter().map(|cell| cell.label()).collect();
     Ok(Segmentation {
         width,
         height,
@@ -151,7 +180,7 @@ pub fn segment_in<A: Arithmetic>(
         front: front_values,
         stages: drive.keep_stages.then_some(stages),
         convergence,
-        sources: catalogue,
+        sources,
         outcome,
         seconds,
     })

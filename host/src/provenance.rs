@@ -85,7 +85,14 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
     if matches!(config.scheme, Scheme::Sl | Scheme::SlCurvature) {
         add("SFDIRS", "directions", i64::from(config.directions).into());
     }
-    add("SFSTART", "start", if config.start == Start::Given { "given" } else { "frame" }.into());
+    match config.start {
+        Start::Frame => add("SFSTART", "start", "frame".into()),
+        Start::Given => add("SFSTART", "start", "given".into()),
+        Start::Threshold { margin } => {
+            add("SFSTART", "start", "threshold".into());
+            add("SFMARGIN", "margin", shortest(margin).into());
+        }
+    }
     match config.band {
         None => add("SFBAND", "band", "none".into()),
         Some(band) => add("SFBAND", "band", shortest(band).into()),
@@ -108,6 +115,7 @@ pub fn scheme_name(scheme: Scheme) -> &'static str {
         Scheme::Sl => "sl",
         Scheme::FdCurvature => "fd-curvature",
         Scheme::SlCurvature => "sl-curvature",
+        Scheme::FastMarching => "fast-marching",
     }
 }
 

@@ -109,6 +109,11 @@ impl<M: Machine> Arithmetic for F32<M> {
     }
 
     #[inline(always)]
+    fn root(x: f32) -> f32 {
+        M::sqrt(x)
+    }
+
+    #[inline(always)]
     fn norm(a: f32, b: f32, c: f32, d: f32) -> f32 {
         M::sqrt((a * a + b * b) + (c * c + d * d))
     }

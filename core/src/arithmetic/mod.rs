@@ -18,7 +18,7 @@ pub use float::F32;
 pub use q11::{Narrow, Q11};
 pub use q24::Q24;
 
-use crate::machine::Task;
+use crate::machine::{Machine, Plain, Task};
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
@@ -29,7 +29,16 @@ pub(crate) mod sealed {
 
 /// A number that kernels compute in. Never NaN, never a silent wrap.
 pub trait Real:
-    Copy + Debug + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + 'static
+    Copy
+    + Debug
+    + Send
+    + Sync
+    + PartialOrd
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + 'static
 {
     /// Nothing.
     const ZERO: Self;
@@ -80,7 +89,7 @@ pub trait Real:
 }
 
 /// One element of a plane: an image value, a front value or, at the end, a label.
-pub trait Cell: Copy + Debug + Default + PartialEq + 'static {
+pub trait Cell: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     /// The largest label a cell can hold.
     const MAX_LABEL: u32;
     /// Bytes of one cell.
@@ -97,7 +106,7 @@ pub trait Cell: Copy + Debug + Default + PartialEq + 'static {
 }
 
 /// A number system for the whole pipeline.
-pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + 'static {
+pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + Send + Sync + 'static {
     /// The name on the command line and in golden files.
     const NAME: &'static str;
     /// A number that tells snapshots of different arithmetics apart.
@@ -148,6 +157,12 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + 'static {
     fn on_grid(value: Self::Real, anchor: Self::Real) -> Self::Real {
         let _ = anchor;
         value
+    }
+
+    /// The square root of `x >= 0` in `f32`, correctly rounded, as fast as the machine has it.
+    #[inline(always)]
+    fn root(x: f32) -> f32 {
+        Plain::sqrt(x)
     }
 
     /// Sum of `|new - old|` over the cells with `|old| <= limit`, in [`Self::CHANGE_UNITS`].

@@ -20,6 +20,8 @@ pub struct Manner {
     pub pictures: bool,
     /// Files that exist are replaced.
     pub overwrite: bool,
+    /// Threads for the evolution.
+    pub threads: usize,
     /// What is measured, and in which files it is told.
     pub request: Request,
 }
@@ -55,8 +57,18 @@ pub fn process(
     manner: &Manner,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Done> {
-    let mut drive = Drive { keep_stages: manner.pictures, watch: Some(watch), ..Drive::default() };
+    let mut drive =
+        Drive { keep_stages: manner.pictures, threads: manner.threads, watch: Some(watch), ..Drive::default() };
+    // Without pictures and outlines the front goes to its file as soon as it is there, and is not kept.
+    let mut written = Ok(());
+    let mut take = |front: &dyn Fn(usize) -> f32| {
+        written = outputs::write_front(&mut products, config, name, image, front);
+    };
+    if !manner.pictures && !manner.request.regions && !manner.request.polygons {
+        drive.take_front = Some(&mut take);
+    }
     let run = segment(config, &image.pixels, image.width, image.height, &mut drive).with_context(|| name.to_owned())?;
+    written?;
     let (summary, warnings) = outputs::write(&mut products, config, name, image, &run, &manner.request)?;
     let files = products.publish()?;
     Ok(Done {

@@ -33,6 +33,9 @@ pub struct Arguments {
     /// Leave out stages.png and overlay.png.
     #[arg(long)]
     no_pictures: bool,
+    /// Threads that move the front; the result does not depend on it [default: all processors].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
     /// Replace results that exist.
     #[arg(long)]
     overwrite: bool,
@@ -62,7 +65,9 @@ impl Arguments {
 
     /// How results are written.
     pub fn manner(&self) -> Manner {
-        Manner { pictures: !self.no_pictures, overwrite: self.overwrite, request: self.measuring.request() }
+        let threads = self.threads.map_or_else(all_processors, usize::from);
+        let request = self.measuring.request();
+        Manner { pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
     }
 
     /// Reads an image as it is wanted.
@@ -115,4 +120,9 @@ pub fn segment_image(
         eprintln!("{} files in {}", done.files.len(), folder.display());
     }
     Ok(done)
+}
+
+/// The processors that this process may use.
+fn all_processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }

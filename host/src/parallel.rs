@@ -1,0 +1,162 @@
+//! The evolution on several processors: bands of rows, one thread each, in step.
+//!
+//! Before a step every band shows the rows and the tiles at its borders to its neighbours, and
+//! what its last step changed; after a barrier all know the same and compute the next step, or
+//! stop. A row's new values depend on old rows only and changes are whole numbers, so the result
+//! has the same bits for any number of threads.
+
+use skyfront_core::arithmetic::Arithmetic;
+use skyfront_core::scheme::{Evolve, Step};
+use skyfront_core::segmenter::Evolution;
+use skyfront_core::stop::Change;
+use skyfront_core::sweep::{Band, Halo, ring_len};
+use skyfront_core::tiles::{COLUMNS, Tiles};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What a band shows its neighbours: rows with repeated columns on both sides, and tile flags.
+#[derive(Clone, Default)]
+struct Border<C> {
+    rows: Vec<C>,
+    flags: Vec<u8>,
+}
+
+/// What a band shows in a step.
+#[derive(Clone)]
+struct Shown<A: Arithmetic> {
+    first: Border<A::Cell>,
+    last: Border<A::Cell>,
+    change: Change<A>,
+}
+
+/// What all threads share; two sets in turn, so that one barrier a step is enough.
+struct Shared<A: Arithmetic> {
+    shown: [Vec<Mutex<Shown<A>>>; 2],
+    barrier: Barrier,
+}
+
+/// Moves the front until it stops; `watch` hears of every step and its change. Gives the number
+/// of steps and the last change, for [`skyfront_core::segmenter::Segmenter::finish_evolution`].
+pub fn evolve<A, S>(
+    evolution: Evolution<'_, A, S>,
+    threads: usize,
+    watch: &mut dyn FnMut(u32, &Change<A>),
+) -> (u32, Change<A>)
+where
+    A: Arithmetic,
+    S: Evolve<A> + Sync,
+{
+    let Evolution { front, speed, width, tile_rows, scheme, rule, settle, max_steps } = evolution;
+    let rows = front.len() / width;
+    // At least two rows of tiles each: a neighbour's border must not reach through a band.
+    let bands = threads.clamp(1, (rows / (2 * tile_rows)).max(1));
+    let band_rows = rows.div_ceil(tile_rows).div_ceil(bands) * tile_rows;
+    let fronts: Vec<_> = front.chunks_mut(band_rows * width).collect();
+    let none = Step { settle, change: Change::none(&rule) };
+    let nothing = Shown { first: Border::default(), last: Border::default(), change: none.change };
+    let set = || fronts.iter().map(|_| Mutex::new(nothing.clone())).collect::<Vec<_>>();
+    let shared = Shared { shown: [set(), set()], barrier: Barrier::new(fronts.len()) };
+    let work = |index: usize, front: &mut [A::Cell], watch: &mut dyn FnMut(u32, &Change<A>)| {
+        let height = front.len() / width;
+        let speed = &speed[index * band_rows * width..][..front.len()];
+        let window = scheme.window();
+        let mut ring = vec![A::Cell::default(); ring_len(width, window)];
+        let mut flags = vec![0; (width.div_ceil(COLUMNS) + 1) * height.div_ceil(tile_rows)];
+        let mut tiles = Tiles::new(&mut flags, width, tile_rows);
+        tiles.wake();
+        let mut step = none;
+        for steps in 0.. {
+            let shown = &shared.shown[steps as usize % 2];
+            show(&mut lock(&shown[index]), front, &tiles, (width, window / 2), step.change);
+            shared.barrier.wait();
+            let change = shown.iter().fold(none.change, |mut sum, shown| {
+                sum.merge(&lock(shown).change);
+                sum
+            });
+            if steps > 0 {
+                watch(steps, &change);
+                if rule.at_rest(&change) || steps == max_steps {
+                    return (steps, change);
+                }
+            }
+            let before = index.checked_sub(1).map(|band| lock(&shown[band]).last.clone()).unwrap_or_default();
+            let after = shown.get(index + 1).map(|band| lock(band).first.clone()).unwrap_or_default();
+            if steps > 0 {
+                tiles.turn(&before.flags, &after.flags);
+            }
+            step = none;
+            let halo = Halo { before: &before.rows, after: &after.rows };
+            let mut band = Band { plane: &mut *front, aux: speed, ring: &mut ring, width, halo };
+            scheme.advance(&mut band, &mut tiles, 0..height, &mut step);
+        }
+        (0, none.change)
+    };
+    std::thread::scope(|scope| {
+        let mut bands = fronts.into_iter().enumerate();
+        let first = bands.next();
+        let work = &work;
+        for (index, front) in bands {
+            scope.spawn(move || work(index, front, &mut |_, _| {}));
+        }
+        first.map_or((0, none.change), |(index, front)| work(index, front, watch))
+    })
+}
+
+/// Shows the first and last `radius` rows of a band, the flags of its outer tiles, and a change.
+fn show<A: Arithmetic>(
+    shown: &mut Shown<A>,
+    front: &[A::Cell],
+    tiles: &Tiles<'_>,
+    (width, radius): (usize, usize),
+    change: Change<A>,
+) {
+    let rows = front.len() / width;
+    shown.change = change;
+    for (border, first, tile_row) in
+        [(&mut shown.first, 0, 0), (&mut shown.last, rows.saturating_sub(radius), tiles.row_at(rows - 1))]
+    {
+        border.rows.clear();
+        for row in front.chunks_exact(width).skip(first).take(radius) {
+            border.rows.extend(std::iter::repeat_n(row[0], radius));
+            border.rows.extend_from_slice(row);
+            border.rows.extend(std::iter::repeat_n(row[width - 1], radius));
+        }
+        border.flags.clear();
+        border.flags.extend_from_slice(tiles.border(tile_row));
+    }
+}
+
+/// The content of a mutex; a thread that panicked while it held one ends the whole scope anyway.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A barrier for short waits: it spins for a while before it lets other threads run.
+struct Barrier {
+    threads: usize,
+    arrived: AtomicUsize,
+    generation: AtomicUsize,
+}
+
+/// Looks at the counter before the processor is given away: about ten microseconds.
+const SPINS: u32 = 4000;
+
+impl Barrier {
+    fn new(threads: usize) -> Self {
+        Barrier { threads, arrived: AtomicUsize::new(0), generation: AtomicUsize::new(0) }
+    }
+
+    fn wait(&self) {
+        let generation = self.generation.load(Ordering::Acquire);
+        if self.arrived.fetch_add(1, Ordering::AcqRel) + 1 == self.threads {
+            self.arrived.store(0, Ordering::Relaxed);
+            self.generation.store(generation.wrapping_add(1), Ordering::Release);
+            return;
+        }
+        let mut spins = 0;
+        while self.generation.load(Ordering::Acquire) == generation {
+            spins += 1;
+            if spins < SPINS { std::hint::spin_loop() } else { std::thread::yield_now() }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+"""Times Skyfront and its peers in turn; see tests/peers/speed."""
+
+import os
+import statistics
+import subprocess
+import sys
+import time
+
+import numpy as np
+import SimpleITK as sitk
+from skimage.segmentation import morphological_geodesic_active_contour
+
+SKYFRONT = "target/release/skyfront"
+FRONT = "target/release/examples/front_speed"
+
+
+def command(words, folder):
+    """Wall seconds, processor seconds and peak MiB of a command."""
+    start = time.perf_counter()
+    child = subprocess.Popen(words, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    if status != 0:
+        sys.exit(f"failed: {' '.join(words)}")
+    return time.perf_counter() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def cpu(function):
+    start = time.process_time()
+    function()
+    return time.process_time() - start
+
+
+def itk(g):
+    """The front from the frame, shrinking at speed g, for 625 iterations."""
+    h, w = g.shape
+    y, x = np.mgrid[:h, :w]
+    u0 = np.minimum(np.minimum(x, w - 1 - x), np.minimum(y, h - 1 - y)).astype(np.float32) - 1.5
+    filter = sitk.GeodesicActiveContourLevelSetImageFilter()
+    filter.SetPropagationScaling(-1.0)
+    filter.SetCurvatureScaling(0.0)
+    filter.SetAdvectionScaling(0.0)
+    filter.SetMaximumRMSError(0.0)
+    filter.SetNumberOfIterations(625)
+    filter.SetNumberOfThreads(1)
+    initial, feature = sitk.GetImageFromArray(-u0), sitk.GetImageFromArray(g)
+    return cpu(lambda: filter.Execute(initial, feature))
+
+
+def skimage(g):
+    """The same front by morphology, for 150 iterations: one pixel each."""
+    start = np.zeros(g.shape, np.int8)
+    start[2:-2, 2:-2] = 1
+    return cpu(lambda: morphological_geodesic_active_contour(
+        g, 150, init_level_set=start, smoothing=0, threshold=0.01, balloon=-1))
+
+
+def table(title, unit, columns, reference):
+    print(f"\n{title}")
+    base = statistics.median(columns[reference])
+    for name, values in columns.items():
+        median = statistics.median(values)
+        print(f"  {name:44} {median:9.4f} {unit}   {base / median:7.2f} x {reference}")
+
+
+def fronts(small, runs, folder):
+    edge = os.path.join(folder, "edge.f32")
+    columns = {"SimpleITK": [], "scikit-image": [], "skyfront fd": [], "skyfront fd, band 8": []}
+    for _ in range(runs):
+        for name, band in (("skyfront fd", []), ("skyfront fd, band 8", ["8"])):
+            words = subprocess.run([FRONT, "front", small, edge, *band], check=True, capture_output=True, text=True)
+            seconds, _, width, height = words.stdout.split()
+            columns[name].append(float(seconds))
+        g = np.fromfile(edge, "<f4").reshape(int(height), int(width))
+        columns["SimpleITK"].append(itk(g))
+        columns["scikit-image"].append(skimage(g))
+    title = f"front from the frame to rest on {small}, one thread, processor seconds"
+    table(title, "s", columns, "SimpleITK")
+    table(title, "s", columns, "scikit-image")
+
+
+def whole(large, runs, folder):
+    with open(os.path.join(folder, "peer.param"), "w") as file:
+        file.write("NUMBER\nX_IMAGE\nY_IMAGE\nFLUX_ISO\nA_IMAGE\nB_IMAGE\nTHETA_IMAGE\nISOAREA_IMAGE\nFLAGS\n")
+    with open(os.path.join(folder, "peer.conv"), "w") as file:
+        file.write("CONV NORM\n1 2 1\n2 4 2\n1 2 1\n")
+    out = os.path.abspath(os.path.join(folder, "out"))
+    ours = [os.path.abspath(SKYFRONT), "segment", os.path.abspath(large), "--no-pictures", "--overwrite", "--quiet",
+            "--out", out, "--t-max", "200", "--preset", "paper-f160"]
+    commands = {
+        "source-extractor": ["source-extractor", os.path.abspath(large), "-c", "/dev/null",
+                             "-PARAMETERS_NAME", "peer.param", "-FILTER_NAME", "peer.conv",
+                             "-CHECKIMAGE_TYPE", "SEGMENTATION", "-CHECKIMAGE_NAME", "peer_map.fits",
+                             "-CATALOG_TYPE", "ASCII", "-CATALOG_NAME", "peer.cat", "-NTHREADS", "1",
+                             "-VERBOSE_TYPE", "QUIET"],
+        "skyfront fast-marching": [*ours, "--threads", "1", "--scheme", "fast-marching"],
+        "skyfront fd, start threshold": [*ours, "--threads", "1", "--band", "8", "--start", "threshold"],
+        "skyfront fd from the frame, band 8": [*ours, "--threads", "1", "--band", "8"],
+        "skyfront fd from the frame, band 8, 2 threads": [*ours, "--threads", "2", "--band", "8"],
+    }
+    results = {name: [] for name in commands}
+    for _ in range(runs):
+        for name, words in commands.items():
+            results[name].append(command(words, folder))
+    for index, (what, unit) in enumerate((("wall seconds", "s"), ("processor seconds", "s"), ("peak memory", "MiB"))):
+        columns = {name: [row[index] for row in rows] for name, rows in results.items()}
+        table(f"{large}, file to map and catalogue, {what}", unit, columns, "source-extractor")
+
+
+if __name__ == "__main__":
+    small, large, runs, folder = sys.argv[1:]
+    fronts(small, int(runs), folder)
+    whole(large, int(runs), folder)

@@ -66,7 +66,8 @@ pub fn clipped(values: &mut [f32]) -> Sky {
         centre = median(inside);
         let sum: f64 = inside.iter().map(|&value| f64::from(value)).sum();
         let average = sum / kept as f64;
-        let squares: f64 = inside.iter().map(|&value| (f64::from(value) - average) * (f64::from(value) - average)).sum();
+        let squares: f64 =
+            inside.iter().map(|&value| (f64::from(value) - average) * (f64::from(value) - average)).sum();
         mean = average as f32;
         noise = libm::sqrt(squares / kept as f64) as f32 * 1.015;
         if kept == before {

@@ -16,7 +16,8 @@ pub fn cleaned(rows: [&[f32]; 3], x: usize) -> f32 {
     let (mut near, mut count) = ([0.0; 8], 0);
     for (index, row) in rows.into_iter().enumerate() {
         for column in x.saturating_sub(1)..x + 2 {
-            if let (Some(&value), Some(out), false) = (row.get(column), near.get_mut(count), index == 1 && column == x) {
+            if let (Some(&value), Some(out), false) = (row.get(column), near.get_mut(count), index == 1 && column == x)
+            {
                 *out = value;
                 count += 1;
             }

@@ -65,11 +65,8 @@ impl Field<'_> {
         };
         let inner = |at: usize, length: usize| at > 0 && at + 1 < length;
         let dx = if inner(x, self.width) { vertex(self.at(peak - 1), self.at(peak + 1)) } else { 0.0 };
-        let dy = if inner(y, self.height()) {
-            vertex(self.at(peak - self.width), self.at(peak + self.width))
-        } else {
-            0.0
-        };
+        let dy =
+            if inner(y, self.height()) { vertex(self.at(peak - self.width), self.at(peak + self.width)) } else { 0.0 };
         (x as f32 + dx, y as f32 + dy)
     }
 

@@ -53,6 +53,9 @@ pub struct Segmentation {
     pub seconds: Vec<(Stage, Duration)>,
 }
 
+/// Receives a front: a function from a pixel's index to its value.
+pub type TakeFront<'a> = dyn FnMut(&dyn Fn(usize) -> f32) + 'a;
+
 /// How a run is driven; changes nothing in its result.
 pub struct Drive<'a> {
     /// Rows a poll.
@@ -62,7 +65,7 @@ pub struct Drive<'a> {
     /// Threads for the evolution.
     pub threads: usize,
     /// Takes the final front, by index, in its unit; without it the front is kept in the result.
-    pub take_front: Option<&'a mut dyn FnMut(&dyn Fn(usize) -> f32)>,
+    pub take_front: Option<&'a mut TakeFront<'a>>,
     /// Called after every poll.
     pub watch: Option<&'a mut dyn FnMut(&Progress)>,
 }

@@ -14,7 +14,7 @@ use skyfront_core::config::{Config, Scheme};
 use skyfront_core::digest::Digest;
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
-use skyfront_core::memory::{Memory, ring_cells};
+use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::Progress;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::stage::Stage;
@@ -103,8 +103,15 @@ fn trace_in<A: Arithmetic>(config: &Config, pixels: &[f32], width: usize, height
     let (mut image, mut front) = (cells(width * height), cells(width * height));
     let mut ring = cells(ring_cells(width, config.scheme == Scheme::SlCurvature));
     let (mut samples, mut sources) = (vec![0.0; width], Vec::<Source>::new());
-    let memory =
-        Memory { image: &mut image, front: &mut front, ring: &mut ring, samples: &mut samples, sources: &mut sources };
+    let mut tiles = vec![0; flags_len(width, height)];
+    let memory = Memory {
+        image: &mut image,
+        front: &mut front,
+        ring: &mut ring,
+        tiles: &mut tiles,
+        samples: &mut samples,
+        sources: &mut sources,
+    };
     let mut run = Segmenter::<A>::new(config, width, height, memory)?;
     let mut planes = Vec::new();
     loop {

@@ -3,9 +3,11 @@
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
 use skyfront_core::memory::ring_cells;
-use skyfront_core::scheme::{AnyScheme, Evolve};
+use skyfront_core::scheme::{AnyScheme, Evolve, Step};
+use skyfront_core::settle::Settle;
 use skyfront_core::stop::{Change, StopRule};
-use skyfront_core::sweep::Halo;
+use skyfront_core::sweep::{Band, Halo};
+use skyfront_core::tiles::{Tiles, flags_len, rows_of_tile};
 
 /// A front on its way.
 pub struct Front {
@@ -32,12 +34,17 @@ impl Front {
     /// One step; whether the stopping rule says that the front is at rest.
     pub fn step(&mut self) -> bool {
         let rule = StopRule::<F32>::new(&self.config, 1.0);
-        let mut change = Change::none(&rule);
+        let mut step = Step { settle: Settle::new(self.config.band), change: Change::none(&rule) };
         let scheme = AnyScheme::<F32>::new(&self.config, 1.0).expect("a scheme for every configuration");
         let mut ring = vec![0.0; ring_cells(self.width, true)];
-        let rows = 0..self.values.len() / self.width;
-        scheme.advance(&mut self.values, &self.speed, &mut ring, self.width, rows, Halo::NONE, &mut change);
-        rule.at_rest(&change)
+        let height = self.values.len() / self.width;
+        let mut flags = vec![0; flags_len(self.width, height)];
+        let mut tiles = Tiles::new(&mut flags, self.width, rows_of_tile(height));
+        tiles.wake();
+        let mut band =
+            Band { plane: &mut self.values, aux: &self.speed, ring: &mut ring, width: self.width, halo: Halo::NONE };
+        scheme.advance(&mut band, &mut tiles, 0..height, &mut step);
+        rule.at_rest(&step.change)
     }
 
     /// Steps until time `t`.

@@ -5,7 +5,7 @@ use skyfront_core::config::{Config, Rescale, Tau};
 use skyfront_core::filter::Heat;
 use skyfront_core::otsu::{BINS, Histogram};
 use skyfront_core::rescale::Rescaler;
-use skyfront_core::sweep::{Halo, advance, ring_len};
+use skyfront_core::sweep::{Band, Halo, advance, ring_len};
 use std::f64::consts::PI;
 
 /// A1 to A3, and A4 or A4_tau, on 4097 levels: f32 separates the values of neighbouring levels, whose smallest
@@ -91,7 +91,8 @@ fn heat_damps_its_eigenfunctions() {
         let mut ring = vec![0.0; ring_len(width, 3)];
         for _ in 0..20 {
             let mut kernel = Heat::<F32>::new(&config);
-            advance::<F32, _, 3>(&mut kernel, &mut plane, &[], &mut ring, width, 0..height, Halo::NONE);
+            let mut band = Band { plane: &mut plane, aux: &[], ring: &mut ring, width, halo: Halo::NONE };
+            advance::<F32, _, 3>(&mut kernel, &mut band, 0..height);
         }
         let cosine = |mode: usize, n: usize| (PI * mode as f64 / n as f64).cos();
         let factor = 1.0 - lambda * (4.0 - 2.0 * cosine(p, width) - 2.0 * cosine(q, height));

@@ -20,7 +20,7 @@ fn sky() -> Vec<f32> {
 }
 
 fn run(config: &Config, pixels: &[f32], slice: usize) -> Segmentation {
-    let mut drive = Drive { slice, keep_stages: true, watch: None };
+    let mut drive = Drive { slice, keep_stages: true, ..Drive::default() };
     segment(config, pixels, WIDTH, HEIGHT, &mut drive).expect("a good image")
 }
 

@@ -40,8 +40,7 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let manner =
-        Manner { pictures: true, overwrite: arguments.overwrite, threads: 1, request: Request::default() };
+    let manner = Manner { pictures: true, overwrite: arguments.overwrite, threads: 1, request: Request::default() };
     let volume = if arguments.quiet { Volume::Quiet } else { Volume::Normal };
     let mut products = plan(&arguments.out, &manner, &[NAME])?;
     let (image, sky) = simulated(Kind::Bright, SEED, SIDE, SIDE);

@@ -15,6 +15,7 @@ pub mod planes;
 pub mod provenance;
 pub mod read;
 pub mod reference;
+pub mod report;
 pub mod sky;
 pub mod summary;
 pub mod vectors;

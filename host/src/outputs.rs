@@ -6,6 +6,7 @@ use crate::picture;
 use crate::pipeline::Segmentation;
 use crate::provenance;
 use crate::read::Image;
+use crate::report;
 use crate::summary::summary;
 use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError, wcs};
@@ -15,7 +16,7 @@ use skyfront_core::config::Config;
 /// Names of the data products beside the catalogue, in the order of writing.
 pub const DATA: [&str; 4] = ["segmentation.fits", "segmented.fits", "front.fits", "summary.json"];
 /// Names of the pictures.
-pub const PICTURES: [&str; 2] = ["stages.png", "overlay.png"];
+pub const PICTURES: [&str; 3] = ["stages.png", "overlay.png", report::FILE];
 
 /// Writes every product of a run under its temporary name; gives what summary.json holds, and
 /// warnings.
@@ -64,6 +65,9 @@ pub fn write(
         products.write("stages.png", |out| stages.write_png(out))?;
         let overlay = picture::overlay(&image.pixels, &run.labels, width, height, &run.sources);
         products.write("overlay.png", |out| overlay.write_png(out))?;
+        let subject = report::Subject { config, input, image, run, catalogue: &catalogue, planes };
+        let page = report::page(&report::page_data(&subject));
+        products.write(report::FILE, |out| out.write_all(page.as_bytes()))?;
     }
     Ok((summary, warnings))
 }

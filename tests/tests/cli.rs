@@ -3,11 +3,12 @@
 use skyfront_tests::command::{Folder, messages, skyfront};
 use std::fs;
 
-const PRODUCTS: [&str; 8] = [
+const PRODUCTS: [&str; 9] = [
     "catalog.csv",
     "catalog.fits",
     "front.fits",
     "overlay.png",
+    "report.html",
     "segmentation.fits",
     "segmented.fits",
     "stages.png",

@@ -30,7 +30,7 @@ pub struct Arguments {
     options: Options,
     #[command(flatten)]
     measuring: Measuring,
-    /// Leave out stages.png and overlay.png.
+    /// Leave out stages.png, overlay.png and report.html.
     #[arg(long)]
     no_pictures: bool,
     /// Threads that move the front; the result does not depend on it [default: all processors].

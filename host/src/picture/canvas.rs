@@ -31,6 +31,11 @@ impl Canvas {
         self.height
     }
 
+    /// Its pixels, three bytes each.
+    pub fn rgb(&self) -> &[u8] {
+        &self.rgb
+    }
+
     /// Sets a pixel; nothing happens outside the picture.
     pub fn set(&mut self, x: usize, y: usize, colour: Colour) {
         if x < self.width && y < self.height {

@@ -11,7 +11,7 @@ mod stretch;
 
 pub use canvas::Canvas;
 pub use overlay::overlay;
-pub use stages::stages;
+pub use stages::{STAGES, stage, stages};
 pub use stretch::Stretch;
 
 /// A colour, red, green, blue.

@@ -12,6 +12,17 @@ const GAP: usize = 8;
 /// Panels in a row.
 const COLUMNS: usize = 3;
 
+/// Names of the stages, in order.
+pub const STAGES: [&str; 6] = ["normalised", "rescaled", "filtered", "edge detector", "front", "segments"];
+
+/// Draws one stage by its place in [`STAGES`], if there is anything to draw.
+pub fn stage(run: &Segmentation, planes: &StagePlanes, index: usize) -> Option<Canvas> {
+    let zoom = Zoom::towards(run.width, run.height, SIDE);
+    let panel = Panel { left: 0, top: 0, width: run.width, height: run.height, zoom };
+    let mut canvas = Canvas::new(zoom.length(run.width), zoom.length(run.height));
+    draw(&mut canvas, &panel, run, planes, index).then_some(canvas)
+}
+
 /// Draws the stages of a run that kept its planes.
 pub fn stages(run: &Segmentation, planes: &StagePlanes) -> Canvas {
     let zoom = Zoom::towards(run.width, run.height, SIDE);
@@ -19,9 +30,7 @@ pub fn stages(run: &Segmentation, planes: &StagePlanes) -> Canvas {
     let (wide, high) = (zoom.length(run.width), zoom.length(run.height));
     let cell = ((wide + GAP).max(180), high + line + GAP);
     let mut canvas = Canvas::new(COLUMNS * cell.0 + GAP, 2 * cell.1 + GAP);
-    for (index, caption) in
-        ["normalised", "rescaled", "filtered", "edge detector", "front", "segments"].into_iter().enumerate()
-    {
+    for (index, caption) in STAGES.into_iter().enumerate() {
         let (left, top) = (GAP + index % COLUMNS * cell.0, GAP + index / COLUMNS * cell.1);
         let panel = Panel { left, top: top + line, width: run.width, height: run.height, zoom };
         let drawn = draw(&mut canvas, &panel, run, planes, index);

@@ -1,0 +1,223 @@
+//! What the page shows, as one JSON object.
+
+use super::picture;
+use crate::catalogue::{Catalogue, Value as Cell};
+use crate::outline::{Ring, rings};
+use crate::picture::{STAGES, stage};
+use crate::pipeline::{Segmentation, StagePlanes};
+use crate::provenance::{parameters, shortest};
+use crate::read::Image;
+use serde_json::{Value, json};
+use skyfront_core::config::{Config, Order, Rescale};
+use skyfront_core::otsu::{BINS, Histogram};
+use skyfront_core::outcome::StopReason;
+use std::fmt::Write;
+
+/// Points of the convergence curve, at most.
+const POINTS: usize = 600;
+
+/// A finished run, with all that went into it.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// What was to be done.
+    pub config: &'a Config,
+    /// Name of the file.
+    pub input: &'a str,
+    /// The image.
+    pub image: &'a Image,
+    /// The result.
+    pub run: &'a Segmentation,
+    /// Its sources as they were measured.
+    pub catalogue: &'a Catalogue,
+    /// Planes of the steps.
+    pub planes: &'a StagePlanes,
+}
+
+/// The data of the page.
+pub fn page_data(subject: &Subject<'_>) -> Value {
+    let Subject { config, input, image, run, catalogue, .. } = *subject;
+    let title = std::path::Path::new(input).file_name().map_or(input.into(), |name| name.to_string_lossy());
+    let parameters: Vec<Value> = parameters(config)
+        .iter()
+        .map(|parameter| json!([parameter.name.replace('_', "-"), parameter.value.to_string()]))
+        .collect();
+    json!({
+        "title": title,
+        "width": run.width,
+        "height": run.height,
+        "facts": facts(subject),
+        "preview": picture::preview(&image.pixels, run.width, run.height),
+        "columns": columns(catalogue),
+        "rows": rows(catalogue),
+        "outlines": outlines(subject),
+        "stages": stages(subject),
+        "histogram": histogram(subject),
+        "convergence": convergence(config, run),
+        "parameters": parameters,
+        "provenance": provenance(subject),
+    })
+}
+
+/// The head of the page.
+fn facts(subject: &Subject<'_>) -> Vec<Value> {
+    let outcome = &subject.run.outcome;
+    let fact = |name: &str, value: Value| json!({ "name": name, "value": value });
+    let alert = |name: &str, value: u32| json!({ "name": name, "value": value, "alert": true });
+    let t = f64::from(outcome.steps) * shortest(subject.config.dt);
+    let mut facts = vec![
+        fact("sources", json!(outcome.sources)),
+        fact("pixels", json!(format!("{} × {}", subject.run.width, subject.run.height))),
+        fact("pixels in sources", json!(outcome.mask_pixels)),
+        match outcome.reason {
+            StopReason::Rest => fact("the front came to rest at", json!(format!("t = {t:.3}"))),
+            StopReason::TimeLimit => {
+                json!({ "name": "the front was given up at", "value": format!("t = {t:.3}"), "alert": true })
+            }
+        },
+        fact("steps", json!(outcome.steps)),
+    ];
+    if outcome.catalogued < outcome.sources {
+        facts.push(alert("sources without room in the catalogue", outcome.sources - outcome.catalogued));
+    }
+    if outcome.unlabelled > 0 {
+        facts.push(alert("pixels without a free label", outcome.unlabelled));
+    }
+    facts
+}
+
+/// The columns of the catalogue.
+fn columns(catalogue: &Catalogue) -> Vec<Value> {
+    let digits = |value: &Cell| match value {
+        Cell::Integer(_) => None,
+        Cell::Real(_, digits) => Some(*digits),
+    };
+    let column = catalogue.columns.iter().map(|column| {
+        json!({
+            "name": column.name,
+            "unit": column.unit,
+            "description": column.description,
+            "digits": digits(&column.value),
+        })
+    });
+    column.collect()
+}
+
+/// The catalogue, a row a source; null where there is no value.
+fn rows(catalogue: &Catalogue) -> Vec<Vec<Value>> {
+    let cell = |text: String| text.parse().map_or(Value::Null, Value::Number);
+    let row = |source| catalogue.columns.iter().map(|column| cell(column.text(source))).collect();
+    catalogue.rows.iter().map(row).collect()
+}
+
+/// The outline of each source of the catalogue as an SVG path, in hundredths of a pixel from the
+/// upper left corner of the image.
+fn outlines(subject: &Subject<'_>) -> Vec<String> {
+    let Subject { config, run, .. } = *subject;
+    let mut paths = vec![String::new(); run.sources.len()];
+    for ring in rings(&run.labels, &run.front, run.width, run.height, config.connectivity) {
+        if let Some(path) = (ring.label as usize).checked_sub(1).and_then(|index| paths.get_mut(index)) {
+            trace(path, &ring, run.height);
+        }
+    }
+    paths
+}
+
+/// Appends a ring to a path: an absolute start, then steps, which take fewer letters.
+fn trace(path: &mut String, ring: &Ring, height: usize) {
+    let hundredths = |value: f64| (value * 100.0).round() as i64;
+    let mut last = None;
+    for &(x, y) in &ring.points {
+        let (x, y) = (hundredths(x + 0.5), hundredths(height as f64 - y - 0.5));
+        // Writing to a text does not fail.
+        let _ = match last.replace((x, y)) {
+            None => write!(path, "M{x} {y}l"),
+            Some((before_x, before_y)) => write!(path, "{} {} ", x - before_x, y - before_y),
+        };
+    }
+    path.push('z');
+}
+
+/// The pictures of the stages.
+fn stages(subject: &Subject<'_>) -> Vec<Value> {
+    let notes = [
+        "pixel values between 0 and 1",
+        "contrast raised between sky and sources",
+        "noise smoothed away",
+        "dark where the front is held",
+        "blue where it has passed, outlined where it stopped",
+        "each source in a colour of its own",
+    ];
+    let shown = STAGES.iter().zip(notes).enumerate().filter_map(|(index, (name, note))| {
+        let canvas = stage(subject.run, subject.planes, index)?;
+        Some(json!({ "name": name, "note": note, "image": picture::of_canvas(&canvas) }))
+    });
+    shown.collect()
+}
+
+/// The histogram of the image that is rescaled, and the threshold in it.
+fn histogram(subject: &Subject<'_>) -> Value {
+    let planes = subject.planes;
+    let (plane, name) = match subject.config.order {
+        Order::FilterFirst if !planes.filtered.is_empty() => (&planes.filtered, "filtered"),
+        _ => (&planes.normalised, "normalised"),
+    };
+    let mut histogram = Histogram::EMPTY;
+    plane.iter().for_each(|&value| histogram.add(value));
+    let has_tau = matches!(subject.config.rescale, Rescale::R3 { .. });
+    let tau = has_tau.then(|| shortest(subject.run.outcome.tau));
+    let threshold = if has_tau { "with the threshold τ" } else { "(this rescaling has no threshold)" };
+    json!({
+        "counts": histogram.0.as_slice(),
+        "tau": tau,
+        "note": format!("The {name} image in {BINS} bins {threshold}."),
+    })
+}
+
+/// The change of every step against its time: the greatest of each stretch where there are many.
+fn convergence(config: &Config, run: &Segmentation) -> Value {
+    let dt = shortest(config.dt);
+    let stretch = run.convergence.len().div_ceil(POINTS).max(1);
+    let points: Vec<Value> = run
+        .convergence
+        .chunks(stretch)
+        .enumerate()
+        .map(|(index, changes)| {
+            let steps = index * stretch + changes.len();
+            let most = changes.iter().fold(0.0f32, |most, &change| if change > most { change } else { most });
+            json!([shortest((steps as f64 * dt) as f32), shortest(most)])
+        })
+        .collect();
+    let end = match run.outcome.reason {
+        StopReason::Rest => "it came to rest below ε",
+        StopReason::TimeLimit => "it was given up at its time limit",
+    };
+    json!({
+        "points": points,
+        "eps": shortest(config.eps),
+        "note": format!("How much the front moved in each of its {} steps; {end}.", run.outcome.steps),
+    })
+}
+
+/// Where the result comes from.
+fn provenance(subject: &Subject<'_>) -> Vec<Value> {
+    let Subject { input, image, run, .. } = *subject;
+    let name = image.name.as_ref().map_or(String::new(), |name| format!(" ({name})"));
+    let defined = run.outcome.extremes.defined as usize;
+    let mut list = vec![
+        json!(["program", concat!("skyfront ", env!("CARGO_PKG_VERSION"))]),
+        json!(["file", input]),
+        json!(["HDU", format!("{}{name}", image.hdu)]),
+        json!(["CRC-32 of the file", format!("{:08x}", image.checksum)]),
+        json!(["CRC-32 of the labels", format!("{:08x}", crate::summary::label_digest(&run.labels))]),
+        json!(["undefined pixels", (run.width * run.height - defined).to_string()]),
+        json!(["pixel values", format!("{} to {}", run.outcome.extremes.least, run.outcome.extremes.greatest)]),
+    ];
+    let known = ["OBJECT", "TELESCOP", "INSTRUME", "FILTER", "DATE-OBS", "EXPTIME", "BUNIT"];
+    list.extend(known.iter().filter_map(|keyword| {
+        let value = image.header.text(keyword).or_else(|| image.real(keyword).map(|value| value.to_string()))?;
+        Some(json!([keyword, value.trim()]))
+    }));
+    let warnings = image.warnings.iter().cloned().chain(subject.catalogue.warnings());
+    list.extend(warnings.map(|warning| json!(["warning", warning])));
+    list
+}

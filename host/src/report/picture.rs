@@ -1,0 +1,95 @@
+//! Pictures inside the page: PNG as base64 text.
+
+use crate::picture::{Canvas, Stretch};
+use std::io;
+
+/// The longer side of the image in the page, at most.
+const SIDE: usize = 2048;
+
+/// A canvas as the address of an image; grey ones take a third of the room.
+pub fn of_canvas(canvas: &Canvas) -> String {
+    let grey = canvas.rgb().chunks_exact(3).all(|pixel| pixel[0] == pixel[1] && pixel[1] == pixel[2]);
+    if grey {
+        let shades: Vec<u8> = canvas.rgb().iter().copied().step_by(3).collect();
+        address(canvas.width(), canvas.height(), png::ColorType::Grayscale, &shades)
+    } else {
+        address(canvas.width(), canvas.height(), png::ColorType::Rgb, canvas.rgb())
+    }
+}
+
+/// An image, its last row on top, in a stretch that shows faint and bright things; means of
+/// squares of pixels where it is larger than the page needs.
+pub fn preview(pixels: &[f32], width: usize, height: usize) -> String {
+    let step = width.max(height).div_ceil(SIDE).max(1);
+    let stretch = Stretch::of(pixels);
+    let (columns, rows) = (width.div_ceil(step), height.div_ceil(step));
+    let mut shades = Vec::with_capacity(columns * rows);
+    for top in (0..height).step_by(step).rev() {
+        for left in (0..width).step_by(step) {
+            let across = left..(left + step).min(width);
+            let square =
+                (top..(top + step).min(height)).flat_map(|y| across.clone().map(move |x| pixels[y * width + x]));
+            shades.push(stretch.shade(mean(square)));
+        }
+    }
+    address(columns, rows, png::ColorType::Grayscale, &shades)
+}
+
+/// The mean of the finite values; NaN where there is none.
+fn mean(values: impl Iterator<Item = f32>) -> f32 {
+    let (sum, count) =
+        values.filter(|value| value.is_finite()).fold((0.0, 0u32), |(sum, n), value| (sum + value, n + 1));
+    if count > 0 { sum / count as f32 } else { f32::NAN }
+}
+
+/// A PNG as a `data:` address; an empty one, which shows nothing, where it cannot be made.
+fn address(width: usize, height: usize, colours: png::ColorType, bytes: &[u8]) -> String {
+    let mut file = Vec::new();
+    match encode(&mut file, width, height, colours, bytes) {
+        Ok(()) => format!("data:image/png;base64,{}", base64(&file)),
+        Err(_) => "data:,".to_owned(),
+    }
+}
+
+fn encode(out: &mut Vec<u8>, width: usize, height: usize, colours: png::ColorType, bytes: &[u8]) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
+    encoder.set_color(colours);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(bytes)?;
+    Ok(writer.finish()?)
+}
+
+/// Base64 (RFC 4648, section 4).
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let word = three.iter().fold(0u32, |word, &byte| word << 8 | u32::from(byte)) << (8 * (3 - three.len()));
+        for digit in 0..4 {
+            let letter = LETTERS[(word >> (18 - 6 * digit)) as usize & 63];
+            text.push(if digit > three.len() { '=' } else { char::from(letter) });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_as_in_the_rfc() {
+        let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
+        for (bytes, text) in cases {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+
+    #[test]
+    fn the_mean_of_a_square_leaves_out_what_is_undefined() {
+        assert_eq!(mean([1.0, f32::NAN, 3.0, f32::INFINITY].into_iter()), 2.0);
+        assert!(mean([f32::NAN].into_iter()).is_nan());
+    }
+}

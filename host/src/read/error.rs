@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// A file that was refused: which one, where in it, and why.
 #[derive(Debug, thiserror::Error)]
-#[error("{}{}: {fault}", one_line(file), place(*hdu))]
+#[error("{}{}: {}", one_line(&file.display().to_string()), place(*hdu), one_line(&fault.to_string()))]
 pub struct ReadError {
     /// The file as the caller named it.
     pub file: PathBuf,
@@ -86,9 +86,8 @@ impl Fault {
     }
 }
 
-/// A path as one line: control characters are escaped, other letters stay.
-fn one_line(path: &Path) -> String {
-    let text = path.display().to_string();
+/// Text as one line: control characters, which names and header values may hold, are escaped; other letters stay.
+fn one_line(text: &str) -> String {
     text.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
 }
 

@@ -51,6 +51,7 @@ fn headers() -> Vec<Specimen> {
         refused("no_bitpix.fits", "BITPIX is missing", changed(|h| h.without("BITPIX"))),
         refused("odd_bitpix.fits", "BITPIX = 17", Header::primary(17, &AXES).with(data())),
         refused("float_bitpix.fits", "BITPIX = -32.0", changed(|h| h.without("BITPIX").card("BITPIX", "-32.0"))),
+        refused("newline.fits", "NAXIS1 = 2\\n4", changed(|h| h.without("NAXIS1").line("NAXIS1  = 2\n4"))),
         refused("no_naxis2.fits", "NAXIS2 is missing", changed(|h| h.without("NAXIS2"))),
         refused("negative.fits", "NAXIS1 = -24", changed(|h| h.without("NAXIS1").card("NAXIS1", -24))),
         refused("naxis_negative.fits", "NAXIS = -2", changed(|h| h.without("NAXIS ").card("NAXIS", -2))),

@@ -6,6 +6,7 @@ pub mod evolve;
 pub mod fits_bytes;
 pub mod scenes;
 pub mod specimens;
+pub mod on_target;
 pub mod text;
 
 /// The README's code is compiled and run as a test.

@@ -1,0 +1,17 @@
+//! Skyfront on flight processors: what the images under `src/bin` share.
+//!
+//! Assembly and `unsafe` live in [`machine`] alone. Everything else also builds for the host, where the
+//! tests run it to know what the processors have to print.
+//!
+//! The protocol on the serial line, one item a line: `digest NAME 1a2b3c4d`, `resource NAME VALUE UNIT`,
+//! and `done` at the end. Anything else, such as `panic ...` or `fault ...`, is a failure.
+
+#![no_std]
+#![cfg_attr(target_arch = "sparc", feature(asm_experimental_arch))]
+#![deny(unsafe_code)]
+
+pub mod bits;
+#[cfg(target_os = "none")]
+#[allow(unsafe_code)]
+pub mod machine;
+pub mod report;

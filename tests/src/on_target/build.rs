@@ -1,0 +1,77 @@
+//! From source to images.
+
+use super::MACHINES;
+use anyhow::{Context, Result, bail};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Where the firmware's sources are.
+#[must_use]
+pub fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware")
+}
+
+/// The image of the program `bin` for `target`.
+#[must_use]
+pub fn image(target: &str, bin: &str) -> PathBuf {
+    folder().join("target").join(target).join("release").join(bin)
+}
+
+/// The compiler that `tests/firmware/setup` finds or installs.
+struct Toolchain {
+    rustc: String,
+    cargo: String,
+}
+
+fn toolchain() -> Result<Toolchain> {
+    let setup = folder().join("setup");
+    let output = Command::new(&setup)
+        .current_dir(folder())
+        .stderr(Stdio::inherit())
+        .output()
+        .with_context(|| format!("cannot start {}", setup.display()))?;
+    if !output.status.success() {
+        bail!("no toolchain for the processors: {} failed", setup.display());
+    }
+    let text = String::from_utf8(output.stdout)?;
+    let value = |key: &str| {
+        text.lines()
+            .find_map(|line| line.strip_prefix(key)?.strip_prefix('='))
+            .map(str::to_owned)
+            .with_context(|| format!("{} did not tell {key}", setup.display()))
+    };
+    Ok(Toolchain { rustc: value("RUSTC")?, cargo: value("CARGO")? })
+}
+
+/// The compiler's version, to print beside sizes that depend on it.
+pub fn compiler() -> Result<String> {
+    let output = Command::new(toolchain()?.rustc).arg("--version").output()?;
+    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+}
+
+/// Builds every program of the firmware for every machine.
+pub fn all() -> Result<()> {
+    let tools = toolchain()?;
+    let mut cargo = Command::new(&tools.cargo);
+    cargo.current_dir(folder());
+    // This program may itself run under another cargo, whose settings are not for the firmware.
+    for (key, _) in std::env::vars() {
+        if key.starts_with("CARGO") && key != "CARGO_HOME" || key.starts_with("RUST") {
+            cargo.env_remove(key);
+        }
+    }
+    cargo
+        .env("RUSTC", &tools.rustc)
+        // The library's source is built with the compiler it belongs to: a right of that compiler's own build.
+        .env("RUSTC_BOOTSTRAP", "1")
+        .args(["build", "--release", "--locked", "--bins", "-Zbuild-std=core"])
+        .args(["--target-dir", "target"]);
+    for machine in &MACHINES {
+        cargo.args(["--target", machine.target]);
+    }
+    let status = cargo.status().with_context(|| format!("cannot start {}", tools.cargo))?;
+    if !status.success() {
+        bail!("the firmware does not build");
+    }
+    Ok(())
+}

@@ -1,0 +1,72 @@
+//! Builds the firmware, starts it on emulated processors and reads what they print.
+//!
+//! A machine that is missing, hangs, or leaves something out is a failure that says which.
+
+pub mod build;
+pub mod emulator;
+pub mod report;
+
+/// A processor and the emulator that has it.
+#[derive(Debug, Clone, Copy)]
+pub struct Machine {
+    /// What the firmware calls it.
+    pub name: &'static str,
+    /// Rust's name of the target.
+    pub target: &'static str,
+    /// The emulator and its arguments, up to the image's name.
+    pub emulator: &'static [&'static str],
+}
+
+/// Every machine that the promise of equal bits is kept for.
+pub const MACHINES: [Machine; 4] = [
+    Machine {
+        name: "cortex-m7",
+        target: "thumbv7em-none-eabihf",
+        emulator: &[
+            "qemu-system-arm",
+            "-M",
+            "mps2-an500",
+            "-nographic",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-icount",
+            "shift=0",
+            "-kernel",
+        ],
+    },
+    Machine {
+        name: "cortex-m3",
+        target: "thumbv7m-none-eabi",
+        emulator: &[
+            "qemu-system-arm",
+            "-M",
+            "mps2-an385",
+            "-nographic",
+            "-semihosting-config",
+            "enable=on,target=native",
+            "-icount",
+            "shift=0",
+            "-kernel",
+        ],
+    },
+    Machine {
+        name: "rv32imac",
+        target: "riscv32imac-unknown-none-elf",
+        emulator: &[
+            "qemu-system-riscv32",
+            "-M",
+            "virt",
+            "-bios",
+            "none",
+            "-nographic",
+            "-icount",
+            "shift=0",
+            "-kernel",
+        ],
+    },
+    Machine {
+        name: "leon3",
+        target: "sparc-unknown-none-elf",
+        emulator: &["qemu-system-sparc", "-M", "leon3_generic", "-nographic", "-kernel"],
+    },
+];

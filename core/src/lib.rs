@@ -26,6 +26,8 @@ pub mod filter;
 pub mod flags;
 pub mod frame;
 pub mod front;
+#[cfg(feature = "hal")]
+pub mod hal;
 pub mod label;
 pub mod machine;
 pub mod march;

@@ -1,17 +1,87 @@
-//! The smallest proof that two processors compute alike: 100 powers, bit for bit.
+//! The digests that must be the same on every processor.
 
-/// CRC-32 of the little-endian bytes of 100 `powf` values between 0 and 1.
+use crate::case::{self, Case};
+use crate::run::{Planes, run};
+use skyfront_core::arithmetic::Arithmetic;
+use skyfront_core::catalog::Source;
+use skyfront_core::digest::{self, Digest};
+use skyfront_core::outcome::{Outcome, StopReason};
+use skyfront_core::stage::Stage;
+
+/// Rows of one poll: a number that divides no height, so that slices end anywhere.
+const SLICE: usize = 7;
+
+/// CRC-32 of the little-endian bytes of 100 `powf` values: the smallest proof that two processors agree.
 #[must_use]
 pub fn powers() -> u32 {
-    let mut crc = !0u32;
+    let mut digest = Digest::default();
     for i in 1..=100u16 {
         let value = libm::powf(f32::from(i) / 101.0, 0.25 + f32::from(i) / 64.0);
-        for byte in value.to_le_bytes() {
-            crc ^= u32::from(byte);
-            for _ in 0..8 {
-                crc = (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg());
+        digest.bytes(&value.to_le_bytes());
+    }
+    digest.value()
+}
+
+/// Runs every case in an arithmetic and gives `tell` the case, what was digested, and the digest.
+///
+/// A run that ends in an error tells `error` in place of what is missing.
+pub fn all<A: Arithmetic>(planes: &mut Planes<A>, mut tell: impl FnMut(&Case, &str, u32)) {
+    for case in case::all() {
+        let outcome = run::<A>(&case, planes, SLICE, |stage, over, run| {
+            if !over {
+                return;
             }
+            if let Some(name) = name_of_plane(stage) {
+                let plane = if stage < Stage::Front { run.image() } else { run.front() };
+                tell(&case, name, digest::of_cells(plane));
+            }
+            if stage == Stage::Measure {
+                tell(&case, "catalog", catalog_digest(run.catalog()));
+            }
+        });
+        match outcome {
+            Ok(outcome) => tell(&case, "outcome", outcome_digest(&outcome)),
+            Err(_) => tell(&case, "error", 0),
         }
     }
-    !crc
+}
+
+/// What the plane is called that a stage leaves behind.
+fn name_of_plane(stage: Stage) -> Option<&'static str> {
+    match stage {
+        Stage::Normalize => Some("normalize"),
+        Stage::Rescale => Some("rescale"),
+        Stage::Filter => Some("filter"),
+        Stage::Edge => Some("edge"),
+        Stage::Front => Some("front"),
+        Stage::Evolve => Some("evolve"),
+        Stage::Measure => Some("labels"),
+        _ => None,
+    }
+}
+
+fn outcome_digest(outcome: &Outcome) -> u32 {
+    let Outcome { steps, mask_pixels, sources, catalogued, unlabelled, .. } = *outcome;
+    let reason = u32::from(outcome.reason == StopReason::Rest);
+    let (least, greatest) = outcome.gradient;
+    let reals = [outcome.last_change, outcome.range.low, outcome.range.high, outcome.tau, least, greatest];
+    words([reason, steps, mask_pixels, sources, catalogued, unlabelled].into_iter().chain(reals.map(f32::to_bits)))
+}
+
+/// The digest of a catalogue: everything a source can be asked.
+#[must_use]
+pub fn catalog_digest(sources: &[Source]) -> u32 {
+    words(sources.iter().flat_map(|source| {
+        let Source { label, area, x0, y0, columns, rows, peak, peak_at, .. } = *source;
+        let ((x, y), ellipse) = (source.centroid(), source.ellipse());
+        let counts = [label, area, x0, y0, columns.0, columns.1, rows.0, rows.1, peak_at.0, peak_at.1];
+        let reals = [peak, source.sum(), x, y, ellipse.a, ellipse.b, ellipse.theta];
+        counts.into_iter().chain(reals.map(f32::to_bits))
+    }))
+}
+
+fn words(words: impl Iterator<Item = u32>) -> u32 {
+    let mut digest = Digest::default();
+    words.for_each(|word| digest.bytes(&word.to_le_bytes()));
+    digest.value()
 }

@@ -11,7 +11,10 @@
 #![deny(unsafe_code)]
 
 pub mod bits;
+pub mod case;
+pub mod fram;
 #[cfg(target_os = "none")]
 #[allow(unsafe_code)]
 pub mod machine;
 pub mod report;
+pub mod run;

@@ -4,10 +4,12 @@
 //! when every digest of every machine is right, 1 otherwise.
 
 use anyhow::{Result, bail};
+use skyfront_core::arithmetic::{Arithmetic, F32};
 use skyfront_firmware::bits;
+use skyfront_firmware::run::Planes;
 use skyfront_tests::on_target::{MACHINES, build, emulator};
 use std::collections::BTreeMap;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 fn main() -> Result<()> {
     build::all()?;
@@ -16,14 +18,16 @@ fn main() -> Result<()> {
 
 /// Compares every machine with this one.
 fn digests() -> Result<()> {
-    let expected = BTreeMap::from([("powf".to_owned(), bits::powers())]);
+    let expected = here()?;
     let mut failures = 0;
     for machine in &MACHINES {
+        let began = Instant::now();
         let problems = match emulator::run(machine, "digests", Duration::from_secs(300)) {
             Ok(report) => report.differences(&expected),
             Err(error) => vec![format!("{error:#}")],
         };
-        println!("{}: {} digests, {} problems", machine.name, expected.len(), problems.len());
+        let (count, seconds) = (expected.len(), began.elapsed().as_secs_f64());
+        println!("{:10} {count} digests, {} problems, {seconds:.1} s", machine.name, problems.len());
         for problem in &problems {
             println!("  {problem}");
         }
@@ -33,4 +37,22 @@ fn digests() -> Result<()> {
         bail!("{failures} problems on the processors");
     }
     Ok(())
+}
+
+/// The digests that this machine computes.
+fn here() -> Result<BTreeMap<String, u32>> {
+    let mut digests = BTreeMap::from([("powf".to_owned(), bits::powers())]);
+    add::<F32>(&mut digests);
+    let failed: Vec<&String> = digests.keys().filter(|name| name.ends_with("/error")).collect();
+    if !failed.is_empty() {
+        bail!("these runs fail on this machine: {failed:?}");
+    }
+    Ok(digests)
+}
+
+fn add<A: Arithmetic>(digests: &mut BTreeMap<String, u32>) {
+    let mut planes = Box::<Planes<A>>::default();
+    bits::all(&mut planes, |case, what, crc| {
+        digests.insert(format!("{}/{case}/{what}", A::NAME), crc);
+    });
 }

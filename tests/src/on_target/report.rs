@@ -16,11 +16,12 @@ impl Report {
     pub fn add(&mut self, line: &str) -> bool {
         let words: Vec<&str> = line.split(' ').collect();
         match words[..] {
-            ["digest", name, value] if value.len() == 8 => u32::from_str_radix(value, 16)
-                .is_ok_and(|crc| self.digests.insert(name.to_owned(), crc).is_none()),
-            ["resource", name, value, unit] => value.parse().is_ok_and(|value| {
-                self.resources.insert(name.to_owned(), (value, unit.to_owned())).is_none()
-            }),
+            ["digest", name, value] if value.len() == 8 => {
+                u32::from_str_radix(value, 16).is_ok_and(|crc| self.digests.insert(name.to_owned(), crc).is_none())
+            }
+            ["resource", name, value, unit] => value
+                .parse()
+                .is_ok_and(|value| self.resources.insert(name.to_owned(), (value, unit.to_owned())).is_none()),
             _ => false,
         }
     }
@@ -34,10 +35,8 @@ impl Report {
             Some(got) if got != wanted => Some(format!("{name}: {got:08x}, expected {wanted:08x}")),
             Some(_) => None,
         });
-        let extra = here
-            .keys()
-            .filter(|name| !expected.contains_key(*name))
-            .map(|name| format!("{name}: not expected"));
+        let extra =
+            here.keys().filter(|name| !expected.contains_key(*name)).map(|name| format!("{name}: not expected"));
         wrong.chain(extra).collect()
     }
 }
@@ -64,10 +63,7 @@ mod tests {
         assert!(report.add("digest c 00000003"));
         let expected = BTreeMap::from([("a".to_owned(), 2), ("b".to_owned(), 2)]);
         let told = report.differences(&expected);
-        assert_eq!(
-            told,
-            ["a: 00000001, expected 00000002", "b: missing, expected 00000002", "c: not expected"]
-        );
+        assert_eq!(told, ["a: 00000001, expected 00000002", "b: missing, expected 00000002", "c: not expected"]);
         assert!(report.differences(&report.digests.clone()).is_empty());
     }
 }

@@ -12,7 +12,7 @@ use core::panic::PanicInfo;
 #[cfg_attr(target_arch = "sparc", path = "leon3.rs")]
 mod this;
 
-pub use this::{NAME, TICK, stop, ticks};
+pub use this::{NAME, Processor, TICK, stop, ticks};
 
 /// What the start-up code fills the stack with.
 const PAINT: u32 = 0x5AFE_57AC;

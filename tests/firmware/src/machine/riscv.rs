@@ -3,6 +3,9 @@
 use super::{PAINT, write};
 use core::arch::{asm, global_asm};
 
+/// What the processor adds to plain code: nothing.
+pub use skyfront_core::machine::Plain as Processor;
+
 /// The processor, for the reader of the serial line.
 pub const NAME: &str = "rv32imac";
 

@@ -1,0 +1,114 @@
+//! What is computed everywhere: small skies, presets that use every step of the pipeline, all schemes.
+
+use core::convert::Infallible;
+use core::fmt;
+use skyfront_core::arithmetic::Arithmetic;
+use skyfront_core::config::{Config, Connectivity, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Stop};
+use skyfront_core::frame::Frame;
+use skyfront_core::simulate::{Kind, Sky};
+
+/// Columns of every scene.
+pub const WIDTH: usize = 40;
+/// Rows of every scene.
+pub const HEIGHT: usize = 30;
+
+/// One run: a scene and what to do with it.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    preset: &'static Preset,
+    /// The scheme that moves the front.
+    pub scheme: Scheme,
+}
+
+/// A scene and the configuration for it, but for the scheme.
+#[derive(Debug)]
+struct Preset {
+    name: &'static str,
+    kind: Kind,
+    seed: u32,
+    holes: bool,
+    config: Config,
+}
+
+/// Between them they take every branch of the configuration once.
+static PRESETS: [Preset; 3] = [
+    Preset { name: "bright", kind: Kind::Bright, seed: 1, holes: false, config: Config::PAPER_F160 },
+    Preset { name: "noisy", kind: Kind::Noisy, seed: 2, holes: false, config: Config::PAPER_REAL },
+    Preset {
+        name: "stars",
+        kind: Kind::Stars,
+        seed: 3,
+        holes: true,
+        config: Config {
+            normalize: Normalize::Percentile { low: 1.0, high: 99.0 },
+            rescale: Rescale::R2 { alpha: 0.3 },
+            filter: Filter::PeronaMalik { diffusivity: Diffusivity::F1, mu: 2.0 },
+            filter_steps: 4,
+            filter_dt: 1e-3,
+            order: Order::FilterFirst,
+            edge: Edge::G1 { p: 3.0 },
+            stop: Stop::Rate,
+            connectivity: Connectivity::Four,
+            min_area: 3,
+            t_max: 10.0,
+            ..Config::PAPER_F160
+        },
+    },
+];
+
+/// The schemes and what they are called in a digest's name.
+const SCHEMES: [(Scheme, &str); 4] = [
+    (Scheme::Fd, "fd"),
+    (Scheme::FdCurvature, "fd-curvature"),
+    (Scheme::Sl, "sl"),
+    (Scheme::SlCurvature, "sl-curvature"),
+];
+
+/// Every case, in the order of the report.
+pub fn all() -> impl Iterator<Item = Case> {
+    PRESETS.iter().flat_map(|preset| SCHEMES.iter().map(move |&(scheme, _)| Case { preset, scheme }))
+}
+
+impl Case {
+    /// The configuration for an arithmetic: as the preset has it, in a band where the arithmetic needs one.
+    #[must_use]
+    pub fn config<A: Arithmetic>(&self) -> Config {
+        let config = self.preset.config.with_scheme(self.scheme);
+        Config { band: A::NEEDS_BAND.or(config.band), ..config }
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn frame(&self) -> Scene {
+        let Preset { kind, seed, holes, .. } = *self.preset;
+        Scene { sky: Sky::new(kind, seed, WIDTH, HEIGHT), holes }
+    }
+}
+
+/// `PRESET/SCHEME`.
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scheme = SCHEMES.iter().find(|(scheme, _)| *scheme == self.scheme).map_or("", |(_, name)| name);
+        write!(f, "{}/{scheme}", self.preset.name)
+    }
+}
+
+/// A simulated sky, with undefined pixels where asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    sky: Sky,
+    holes: bool,
+}
+
+impl Frame for Scene {
+    type Error = Infallible;
+
+    fn row(&mut self, y: usize, out: &mut [f32]) -> Result<(), Infallible> {
+        self.sky.row(y, out)?;
+        if self.holes {
+            // One pixel in 31, in a pattern that no row or column repeats.
+            out.iter_mut().skip(y * 7 % 31).step_by(31).for_each(|pixel| *pixel = f32::NAN);
+        }
+        Ok(())
+    }
+}

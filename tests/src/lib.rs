@@ -4,9 +4,9 @@ pub mod command;
 pub mod compressed;
 pub mod evolve;
 pub mod fits_bytes;
+pub mod on_target;
 pub mod scenes;
 pub mod specimens;
-pub mod on_target;
 pub mod text;
 
 /// The README's code is compiled and run as a test.

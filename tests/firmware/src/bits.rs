@@ -1,12 +1,19 @@
 //! The digests that must be the same on every processor.
 
-use crate::case::{self, Case};
-use crate::run::{Planes, run};
+use crate::case::{self, HEIGHT, WIDTH};
+use crate::run::{self, run};
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::catalog::Source;
+use skyfront_core::config::Config;
 use skyfront_core::digest::{self, Digest};
+use skyfront_core::frame::Frame;
+use skyfront_core::memory::{Memory, ring_cells};
 use skyfront_core::outcome::{Outcome, StopReason};
+use skyfront_core::scheme::AnyScheme;
 use skyfront_core::stage::Stage;
+
+/// The memory for every case.
+pub type Planes<A> = run::Planes<A, WIDTH, { WIDTH * HEIGHT }, { ring_cells(WIDTH, true) }>;
 
 /// Rows of one poll: a number that divides no height, so that slices end anywhere.
 const SLICE: usize = 7;
@@ -22,27 +29,41 @@ pub fn powers() -> u32 {
     digest.value()
 }
 
-/// Runs every case in an arithmetic and gives `tell` the case, what was digested, and the digest.
-///
-/// A run that ends in an error tells `error` in place of what is missing.
-pub fn all<A: Arithmetic>(planes: &mut Planes<A>, mut tell: impl FnMut(&Case, &str, u32)) {
+/// Runs every case in an arithmetic and gives `tell` each digest with its name.
+pub fn all<A: Arithmetic>(planes: &mut Planes<A>, mut tell: impl FnMut(&[&str], u32)) {
     for case in case::all() {
-        let outcome = run::<A>(&case, planes, SLICE, |stage, over, run| {
-            if !over {
-                return;
-            }
-            if let Some(name) = name_of_plane(stage) {
-                let plane = if stage < Stage::Front { run.image() } else { run.front() };
-                tell(&case, name, digest::of_cells(plane));
-            }
-            if stage == Stage::Measure {
-                tell(&case, "catalog", catalog_digest(run.catalog()));
-            }
+        let [preset, scheme] = case.name();
+        let (config, mut frame) = (case.config::<A>(), case.frame());
+        one(&config, (WIDTH, HEIGHT), &mut frame, planes.memory(), |what, crc| {
+            tell(&[A::NAME, preset, scheme, what], crc);
         });
-        match outcome {
-            Ok(outcome) => tell(&case, "outcome", outcome_digest(&outcome)),
-            Err(_) => tell(&case, "error", 0),
+    }
+}
+
+/// Runs one frame and gives `tell` what was digested and the digest: planes, catalogue, outcome.
+///
+/// A run that fails tells `error` in place of what is missing.
+pub fn one<A: Arithmetic, F: Frame>(
+    config: &Config,
+    size: (usize, usize),
+    frame: &mut F,
+    memory: Memory<'_, A>,
+    mut tell: impl FnMut(&str, u32),
+) {
+    let outcome = run::<A, AnyScheme<A>, F>(config, size, frame, memory, SLICE, |stage, over, run| {
+        if !over {
+            return;
         }
+        if let Some(name) = name_of_plane(stage) {
+            tell(name, digest::of_cells(if stage < Stage::Front { run.image() } else { run.front() }));
+        }
+        if stage == Stage::Measure {
+            tell("catalog", catalog_digest(run.catalog()));
+        }
+    });
+    match outcome {
+        Ok(outcome) => tell("outcome", outcome_digest(&outcome)),
+        Err(_) => tell("error", 0),
     }
 }
 

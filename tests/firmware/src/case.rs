@@ -1,7 +1,6 @@
 //! What is computed everywhere: small skies, presets that use every step of the pipeline, all schemes.
 
 use core::convert::Infallible;
-use core::fmt;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::config::{Config, Connectivity, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Stop};
 use skyfront_core::frame::Frame;
@@ -70,6 +69,12 @@ pub fn all() -> impl Iterator<Item = Case> {
 }
 
 impl Case {
+    /// The paper's best setting, for measurements.
+    #[must_use]
+    pub const fn paper(scheme: Scheme) -> Case {
+        Case { preset: &PRESETS[0], scheme }
+    }
+
     /// The configuration for an arithmetic: as the preset has it, in a band where the arithmetic needs one.
     #[must_use]
     pub fn config<A: Arithmetic>(&self) -> Config {
@@ -77,19 +82,18 @@ impl Case {
         Config { band: A::NEEDS_BAND.or(config.band), ..config }
     }
 
+    /// The preset's name and the scheme's.
+    #[must_use]
+    pub fn name(&self) -> [&'static str; 2] {
+        let scheme = SCHEMES.iter().find(|(scheme, _)| *scheme == self.scheme).map_or("", |(_, name)| name);
+        [self.preset.name, scheme]
+    }
+
     /// The scene.
     #[must_use]
     pub fn frame(&self) -> Scene {
         let Preset { kind, seed, holes, .. } = *self.preset;
         Scene { sky: Sky::new(kind, seed, WIDTH, HEIGHT), holes }
-    }
-}
-
-/// `PRESET/SCHEME`.
-impl fmt::Display for Case {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let scheme = SCHEMES.iter().find(|(scheme, _)| *scheme == self.scheme).map_or("", |(_, name)| name);
-        write!(f, "{}/{scheme}", self.preset.name)
     }
 }
 

@@ -2,6 +2,8 @@
 
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
+use skyfront_core::frame::Frame;
+use skyfront_core::simulate::{Kind, Sky};
 
 /// What goes wrong, once, at transaction `0`, `1`, `2`, ...
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,4 +134,22 @@ impl Pin {
         self.high = high;
         Ok(())
     }
+}
+
+/// Columns of the widest sky that [`sky_in_fram`] makes.
+const WIDEST: usize = 64;
+
+/// A memory with a simulated sky at address 0, in 16-bit pixels with the high byte first.
+pub fn sky_in_fram(bytes: &mut [u8], width: usize, height: usize) -> Fram<'_> {
+    let mut sky = Sky::new(Kind::Bright, 5, width, height);
+    let mut pixels = [0.0; WIDEST];
+    let pixels = pixels.get_mut(..width).unwrap_or(&mut []);
+    for (y, row) in bytes.chunks_exact_mut(2 * width).take(height).enumerate() {
+        let Ok(()) = sky.row(y, pixels);
+        for (bytes, pixel) in row.chunks_exact_mut(2).zip(&*pixels) {
+            let counts = (200.0 + 10_000.0 * pixel) as u16;
+            bytes.copy_from_slice(&counts.to_be_bytes());
+        }
+    }
+    Fram::new(bytes)
 }

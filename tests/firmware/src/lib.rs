@@ -16,5 +16,7 @@ pub mod fram;
 #[cfg(target_os = "none")]
 #[allow(unsafe_code)]
 pub mod machine;
+#[cfg(target_os = "none")]
+pub mod measured;
 pub mod report;
 pub mod run;

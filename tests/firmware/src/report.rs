@@ -1,19 +1,55 @@
-//! Lines of the protocol.
+//! Lines of the protocol, written without `core::fmt`: it would be most of a small program.
 
-use core::fmt::{Display, Write};
+use core::fmt::Write;
 
-/// `digest NAME 1a2b3c4d`: the CRC-32 of a stage's bytes, little-endian.
-pub fn digest(line: &mut impl Write, name: impl Display, crc: u32) {
-    // A line that cannot be written is missed by the reader, who knows every name to expect.
-    let _ = writeln!(line, "digest {name} {crc:08x}");
+/// The most digits of a number.
+const DIGITS: usize = 20;
+
+/// `digest NAME 1a2b3c4d`: the CRC-32 of a stage's bytes. The parts of the name are joined by `/`.
+pub fn digest(line: &mut impl Write, name: &[&str], crc: u32) {
+    start(line, "digest", name);
+    let nibbles = (0..8).rev().map(|n| (crc >> (4 * n)) & 15);
+    nibbles.for_each(|nibble| put(line, b"0123456789abcdef", nibble as usize));
+    end(line, "");
 }
 
 /// `resource NAME VALUE UNIT`.
-pub fn resource(line: &mut impl Write, name: impl Display, value: u64, unit: &str) {
-    let _ = writeln!(line, "resource {name} {value} {unit}");
+pub fn resource(line: &mut impl Write, name: &[&str], value: u64, unit: &str) {
+    start(line, "resource", name);
+    let digit = |n: usize| value / 10u64.saturating_pow(n as u32) % 10;
+    let leading = (1..DIGITS).rev().find(|&n| digit(n) > 0).unwrap_or(0);
+    (0..=leading).rev().for_each(|n| put(line, b"0123456789", digit(n) as usize));
+    end(line, unit);
 }
 
 /// `done`: everything was printed.
 pub fn done(line: &mut impl Write) {
-    let _ = writeln!(line, "done");
+    text(line, "done\n");
+}
+
+fn start(line: &mut impl Write, what: &str, name: &[&str]) {
+    text(line, what);
+    for (part, separator) in name.iter().zip([" "].into_iter().chain(core::iter::repeat("/"))) {
+        text(line, separator);
+        text(line, part);
+    }
+    text(line, " ");
+}
+
+fn put(line: &mut impl Write, digits: &[u8], index: usize) {
+    let digit = digits.get(index..=index).and_then(|digit| core::str::from_utf8(digit).ok());
+    text(line, digit.unwrap_or("?"));
+}
+
+fn end(line: &mut impl Write, unit: &str) {
+    if !unit.is_empty() {
+        text(line, " ");
+        text(line, unit);
+    }
+    text(line, "\n");
+}
+
+/// A line that cannot be written is missed by the reader, who knows every name to expect.
+fn text(line: &mut impl Write, text: &str) {
+    let _ = line.write_str(text);
 }

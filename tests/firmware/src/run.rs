@@ -1,44 +1,40 @@
-//! One run in fixed memory, watched stage by stage.
+//! One run in fixed memory, watched poll by poll.
 
-use crate::case::{Case, HEIGHT, WIDTH};
-use core::convert::Infallible;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::catalog::Source;
+use skyfront_core::config::Config;
 use skyfront_core::error::Error;
-use skyfront_core::memory::{Memory, ring_cells};
+use skyfront_core::frame::Frame;
+use skyfront_core::memory::Memory;
 use skyfront_core::outcome::{Outcome, Progress};
+use skyfront_core::scheme::Evolve;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::stage::Stage;
 
-const PIXELS: usize = WIDTH * HEIGHT;
-const RING: usize = ring_cells(WIDTH, true);
-const SOURCES: usize = 16;
-
-/// All memory of a run, for any scheme.
+/// All memory of a run: `PIXELS` = width x height, `RING` = [`skyfront_core::memory::ring_cells`].
 #[derive(Debug)]
-pub struct Planes<A: Arithmetic> {
+pub struct Planes<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize> {
     image: [A::Cell; PIXELS],
     front: [A::Cell; PIXELS],
     ring: [A::Cell; RING],
     samples: [f32; WIDTH],
-    sources: [Source; SOURCES],
+    sources: [Source; 16],
 }
 
-impl<A: Arithmetic> Default for Planes<A> {
-    fn default() -> Self {
-        let cell = A::Cell::default();
+impl<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize> Planes<A, WIDTH, PIXELS, RING> {
+    /// Memory full of one cell; with a cell of zeros it costs no flash.
+    pub const fn filled(cell: A::Cell) -> Self {
         Planes {
             image: [cell; PIXELS],
             front: [cell; PIXELS],
             ring: [cell; RING],
             samples: [0.0; WIDTH],
-            sources: [Source::empty(0); SOURCES],
+            sources: [Source::empty(0); 16],
         }
     }
-}
 
-impl<A: Arithmetic> Planes<A> {
-    fn memory(&mut self) -> Memory<'_, A> {
+    /// The memory, as a run wants it.
+    pub fn memory(&mut self) -> Memory<'_, A> {
         Memory {
             image: &mut self.image,
             front: &mut self.front,
@@ -49,23 +45,25 @@ impl<A: Arithmetic> Planes<A> {
     }
 }
 
-/// Runs a case in slices of `rows` rows.
+/// Runs to the end in slices of `rows` rows.
 ///
 /// After every poll `watch` sees the stage that the poll worked on, whether that stage is over, and the run.
 ///
 /// # Errors
-/// Those of the segmenter: none is expected of these cases.
-pub fn run<A: Arithmetic>(
-    case: &Case,
-    planes: &mut Planes<A>,
+/// Those of the segmenter: none is expected here.
+pub fn run<A: Arithmetic, S: Evolve<A>, F: Frame>(
+    config: &Config,
+    (width, height): (usize, usize),
+    frame: &mut F,
+    memory: Memory<'_, A>,
     rows: usize,
-    mut watch: impl FnMut(Stage, bool, &Segmenter<'_, A>),
-) -> Result<Outcome, Error<Infallible>> {
-    let mut frame = case.frame();
-    let mut run = Segmenter::<A>::new(&case.config::<A>(), WIDTH, HEIGHT, planes.memory())?;
+    mut watch: impl FnMut(Stage, bool, &Segmenter<'_, A, S>),
+) -> Result<Outcome, Error<F::Error>> {
+    let mut run = Segmenter::<A, S>::new(config, width, height, memory)
+        .map_err(|error| error.map_frame(|never| match never {}))?;
     loop {
         let stage = run.stage();
-        let progress = run.poll(rows, &mut frame)?;
+        let progress = run.poll(rows, frame)?;
         watch(stage, run.stage() != stage, &run);
         if let Progress::Done(outcome) = progress {
             return Ok(outcome);

@@ -3,8 +3,10 @@
 //! A machine that is missing, hangs, or leaves something out is a failure that says which.
 
 pub mod build;
+pub mod elf;
 pub mod emulator;
 pub mod report;
+pub mod resources;
 
 /// A processor and the emulator that has it.
 #[derive(Debug, Clone, Copy)]

@@ -4,24 +4,23 @@
 #![no_main]
 
 use skyfront_core::arithmetic::{Arithmetic, F32};
-use skyfront_firmware::machine::{self, Console, Processor};
-use skyfront_firmware::run::Planes;
-use skyfront_firmware::{bits, entry, report};
-use static_cell::StaticCell;
+use skyfront_firmware::bits::{self, Planes};
+use skyfront_firmware::machine::{Console, Processor};
+use skyfront_firmware::{entry, report};
+use static_cell::ConstStaticCell;
 
 type Float = F32<Processor>;
 
-static FLOAT: StaticCell<Planes<Float>> = StaticCell::new();
+static FLOAT: ConstStaticCell<Planes<Float>> = ConstStaticCell::new(Planes::filled(0.0));
 
 entry!(run);
 
 fn run(mut line: Console) {
-    report::digest(&mut line, "powf", bits::powers());
-    all(&mut line, FLOAT.init_with(Planes::default));
-    report::resource(&mut line, "stack", machine::stack_used() as u64, "bytes");
+    report::digest(&mut line, &["powf"], bits::powers());
+    all(&mut line, FLOAT.take());
     report::done(&mut line);
 }
 
 fn all<A: Arithmetic>(line: &mut Console, planes: &mut Planes<A>) {
-    bits::all(planes, |case, what, crc| report::digest(line, format_args!("{}/{case}/{what}", A::NAME), crc));
+    bits::all(planes, |name, crc| report::digest(line, name, crc));
 }

@@ -2,13 +2,12 @@
 
 use super::{PAINT, read, write};
 use core::arch::{asm, global_asm};
-use skyfront_core::machine::{Machine, Plain};
+use skyfront_core::machine::Machine;
 
-/// The processor, for the reader of the serial line.
-pub const NAME: &str = if cfg!(target_abi = "eabihf") { "cortex-m7" } else { "cortex-m3" };
-
-/// Instructions for each tick: under `-icount shift=0` one takes 1 ns, and the boards' clock is 25 MHz.
-pub const TICK: u64 = 40;
+/// Whether [`ticks`] tells anything.
+pub const COUNTS: bool = true;
+/// Instructions for each count of SysTick: under `-icount shift=0` one takes 1 ns, and the clock is 25 MHz.
+const PER_COUNT: u64 = 40;
 
 const UART_DATA: usize = 0x4000_4000;
 const UART_CONTROL: usize = 0x4000_4008;
@@ -65,11 +64,17 @@ extern "C" fn prepare() {
     write(SYSTICK_CONTROL, 0b101);
 }
 
-/// Ticks since some moment; differences hold up to 2^24 of them (671 million instructions).
+/// A running number; differences hold up to 671 million instructions.
 #[must_use]
 pub fn ticks() -> u32 {
     // The counter runs down in the upper bits, so that differences wrap as they should.
     0u32.wrapping_sub(read(SYSTICK_VALUE) << 8)
+}
+
+/// Instructions in a difference of [`ticks`].
+#[must_use]
+pub fn instructions(ticks: u32) -> u64 {
+    u64::from(ticks >> 8) * PER_COUNT
 }
 
 pub(super) fn put(byte: u8) {
@@ -100,6 +105,6 @@ impl Machine for Processor {
 
     #[cfg(not(target_abi = "eabihf"))]
     fn sqrt(x: f32) -> f32 {
-        Plain::sqrt(x)
+        skyfront_core::machine::Plain::sqrt(x)
     }
 }

@@ -4,6 +4,7 @@
 //! names. Interrupts stay off. QEMU executes instructions, not pipelines: what the counters tell are
 //! instructions, never cycles.
 
+use crate::report;
 use core::fmt::{self, Write};
 use core::panic::PanicInfo;
 
@@ -12,7 +13,7 @@ use core::panic::PanicInfo;
 #[cfg_attr(target_arch = "sparc", path = "leon3.rs")]
 mod this;
 
-pub use this::{NAME, Processor, TICK, stop, ticks};
+pub use this::{COUNTS, Processor, instructions, stop, ticks};
 
 /// What the start-up code fills the stack with.
 const PAINT: u32 = 0x5AFE_57AC;
@@ -65,7 +66,8 @@ fn panic(reason: &PanicInfo) -> ! {
 /// Where every processor fault ends.
 #[unsafe(no_mangle)]
 extern "C" fn fault(cause: usize) -> ! {
-    let _ = writeln!(Console, "fault {cause:#x}");
+    // Without `writeln!`, so that a program that cannot panic carries no formatting at all.
+    report::resource(&mut Console, &["fault"], cause as u64, "(the processor's number)");
     stop()
 }
 

@@ -6,11 +6,8 @@ use core::arch::{asm, global_asm};
 /// What the processor adds to plain code: nothing.
 pub use skyfront_core::machine::Plain as Processor;
 
-/// The processor, for the reader of the serial line.
-pub const NAME: &str = "rv32imac";
-
-/// Instructions for each tick: the counter is `minstret` itself.
-pub const TICK: u64 = 1;
+/// Whether [`ticks`] tells anything.
+pub const COUNTS: bool = true;
 
 const UART_DATA: usize = 0x1000_0000;
 const FINISHER: usize = 0x0010_0000;
@@ -42,13 +39,19 @@ global_asm!(
     paint = const PAINT,
 );
 
-/// Ticks since some moment; differences hold up to 2^32.
+/// A running number; differences hold up to 2^32 instructions.
 #[must_use]
 pub fn ticks() -> u32 {
     let count: u32;
     // Sound: reads a counter.
     unsafe { asm!("csrr {}, minstret", out(reg) count) }
     count
+}
+
+/// Instructions in a difference of [`ticks`]: the counter is `minstret` itself.
+#[must_use]
+pub fn instructions(ticks: u32) -> u64 {
+    u64::from(ticks)
 }
 
 pub(super) fn put(byte: u8) {

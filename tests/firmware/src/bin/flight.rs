@@ -1,0 +1,56 @@
+//! All that a flight computer needs: static memory, frame in, slices with a heartbeat, catalogue out.
+
+#![no_std]
+#![no_main]
+
+use skyfront_core::catalog::Source;
+use skyfront_core::config::Config;
+use skyfront_core::hal::{Heartbeat, MapWriter, MemoryFrame, PixelFormat, SerialMemory};
+use skyfront_core::memory::{Memory, bytes, ring_cells};
+use skyfront_core::outcome::Progress;
+use skyfront_core::{arithmetic::F32, scheme::Fd, segmenter::Segmenter};
+use skyfront_firmware::fram::{Failed, Pin, sky_in_fram};
+use skyfront_firmware::machine::{Console, Processor};
+use skyfront_firmware::{bits, entry, report};
+use static_cell::ConstStaticCell;
+
+type Number = F32<Processor>;
+const W: usize = 48;
+const H: usize = 36;
+const MAP: u32 = 0x4000;
+const _: () = assert!(bytes(W, H, 4, false, 16) < 18 * 1024, "more memory than this computer has");
+
+static IMAGE: ConstStaticCell<[f32; W * H]> = ConstStaticCell::new([0.0; W * H]);
+static FRONT: ConstStaticCell<[f32; W * H]> = ConstStaticCell::new([0.0; W * H]);
+static RING: ConstStaticCell<[f32; ring_cells(W, false)]> = ConstStaticCell::new([0.0; ring_cells(W, false)]);
+static SAMPLES: ConstStaticCell<[f32; W]> = ConstStaticCell::new([0.0; W]);
+static SOURCES: ConstStaticCell<[Source; 16]> = ConstStaticCell::new([Source::empty(0); 16]);
+static STORAGE: ConstStaticCell<[u8; 0x8000]> = ConstStaticCell::new([0; 0x8000]);
+
+entry!(fly);
+
+fn fly(mut line: Console) {
+    if segment(&mut line).is_some() {
+        report::done(&mut line);
+    }
+}
+
+/// `None` when anything failed; a real computer logs what and tries again.
+fn segment(line: &mut Console) -> Option<()> {
+    let (image, front, ring) = (IMAGE.take(), FRONT.take(), RING.take());
+    let memory = Memory { image, front, ring, samples: SAMPLES.take(), sources: SOURCES.take() };
+    let spi = sky_in_fram(STORAGE.take(), W, H); // On a real board: the SpiDevice of its own crate.
+    let mut frame = MemoryFrame::new(SerialMemory::new(spi), 0, W, H, PixelFormat::U16Be).ok()?;
+    let mut run = Segmenter::<Number, Fd<Number>>::new(&Config::PAPER_F160, W, H, memory).ok()?;
+    let mut heartbeat = Heartbeat::new(Pin::default(), 4); // And its OutputPin: an edge every 4 rows.
+    while let Progress::Working { .. } = heartbeat.poll(&mut run, &mut frame).ok()? {
+        // Other tasks have their turn here.
+    }
+    let mut map = MapWriter::new::<Failed>(MAP, W * H, PixelFormat::U16Be).ok()?;
+    while !map.poll(frame.memory(), run.front()).ok()? {
+        heartbeat.beat().ok()?;
+    }
+    report::resource(line, &["sources"], run.catalog().len() as u64, "sources");
+    report::digest(line, &["flight", "catalog"], bits::catalog_digest(run.catalog()));
+    Some(())
+}

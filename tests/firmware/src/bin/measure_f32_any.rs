@@ -1,0 +1,13 @@
+//! f32 with every scheme; measured on the semi-Lagrangian one with curvature.
+
+#![no_std]
+#![no_main]
+
+use skyfront_core::arithmetic::F32;
+use skyfront_core::config::Scheme;
+use skyfront_core::scheme::AnyScheme;
+use skyfront_firmware::case::Case;
+use skyfront_firmware::machine::Processor;
+use skyfront_firmware::measured;
+
+measured!(F32<Processor>, 0.0, AnyScheme<F32<Processor>>, Case::paper(Scheme::SlCurvature));

@@ -4,7 +4,6 @@ pub mod command;
 pub mod compressed;
 pub mod evolve;
 pub mod fits_bytes;
-pub mod on_target;
 pub mod scenes;
 pub mod specimens;
 pub mod text;

@@ -42,6 +42,7 @@ impl Cell for f32 {
     /// Every integer up to here has its own `f32`.
     const MAX_LABEL: u32 = 1 << 24;
     const BYTES: usize = 4;
+    const BLANK: f32 = 0.0;
 
     #[inline]
     fn from_label(label: u32) -> f32 {

@@ -94,6 +94,8 @@ pub trait Cell: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     const MAX_LABEL: u32;
     /// Bytes of one cell.
     const BYTES: usize;
+    /// All bits 0: static memory full of it takes no room in a program's image.
+    const BLANK: Self;
 
     /// A cell that holds a label, saturated to [`Self::MAX_LABEL`].
     fn from_label(label: u32) -> Self;

@@ -18,6 +18,7 @@ pub struct Narrow(u16);
 impl Cell for Narrow {
     const MAX_LABEL: u32 = 0xFFFF;
     const BYTES: usize = 2;
+    const BLANK: Self = Narrow(0);
 
     #[inline]
     fn from_label(label: u32) -> Self {

@@ -11,6 +11,7 @@ impl Cell for Fixed24 {
     /// As many as f32 can hold, so that both stop at the same images.
     const MAX_LABEL: u32 = 1 << 24;
     const BYTES: usize = 4;
+    const BLANK: Self = Fixed24(fixed::types::I8F24::ZERO);
 
     #[inline]
     fn from_label(label: u32) -> Self {

@@ -18,5 +18,6 @@ pub mod fram;
 pub mod machine;
 #[cfg(target_os = "none")]
 pub mod measured;
+pub mod paper;
 pub mod report;
 pub mod run;

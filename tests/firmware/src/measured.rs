@@ -52,12 +52,12 @@ pub fn program<A: Arithmetic, S: Evolve<A>>(mut line: Console, case: &Case, room
     report::done(&mut line);
 }
 
-/// A program that is one configuration: an arithmetic, its zero, a type of scheme and the case to run.
+/// A program that is one configuration: an arithmetic, a type of scheme and the case to run.
 #[macro_export]
 macro_rules! measured {
-    ($arithmetic:ty, $zero:expr, $scheme:ty, $case:expr) => {
+    ($arithmetic:ty, $scheme:ty, $case:expr) => {
         static ROOM: static_cell::ConstStaticCell<$crate::measured::Room<$arithmetic>> =
-            static_cell::ConstStaticCell::new($crate::measured::Room::filled($zero));
+            static_cell::ConstStaticCell::new($crate::measured::Room::ZERO);
 
         $crate::entry!(measure);
 

@@ -1,6 +1,6 @@
 //! One run in fixed memory, watched poll by poll.
 
-use skyfront_core::arithmetic::Arithmetic;
+use skyfront_core::arithmetic::{Arithmetic, Cell};
 use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
@@ -22,16 +22,14 @@ pub struct Planes<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const 
 }
 
 impl<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize> Planes<A, WIDTH, PIXELS, RING> {
-    /// Memory full of one cell; with a cell of zeros it costs no flash.
-    pub const fn filled(cell: A::Cell) -> Self {
-        Planes {
-            image: [cell; PIXELS],
-            front: [cell; PIXELS],
-            ring: [cell; RING],
-            samples: [0.0; WIDTH],
-            sources: [Source::empty(0); 16],
-        }
-    }
+    /// Memory of zeros, which costs no flash.
+    pub const ZERO: Self = Planes {
+        image: [A::Cell::BLANK; PIXELS],
+        front: [A::Cell::BLANK; PIXELS],
+        ring: [A::Cell::BLANK; RING],
+        samples: [0.0; WIDTH],
+        sources: [Source::empty(0); 16],
+    };
 
     /// The memory, as a run wants it.
     pub fn memory(&mut self) -> Memory<'_, A> {

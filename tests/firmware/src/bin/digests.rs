@@ -3,21 +3,23 @@
 #![no_std]
 #![no_main]
 
-use skyfront_core::arithmetic::{Arithmetic, F32};
+use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_firmware::bits::{self, Planes};
 use skyfront_firmware::machine::{Console, Processor};
 use skyfront_firmware::{entry, report};
 use static_cell::ConstStaticCell;
 
-type Float = F32<Processor>;
-
-static FLOAT: ConstStaticCell<Planes<Float>> = ConstStaticCell::new(Planes::filled(0.0));
+static FLOAT: ConstStaticCell<Planes<F32<Processor>>> = ConstStaticCell::new(Planes::ZERO);
+static WIDE: ConstStaticCell<Planes<Q24>> = ConstStaticCell::new(Planes::ZERO);
+static NARROW: ConstStaticCell<Planes<Q11>> = ConstStaticCell::new(Planes::ZERO);
 
 entry!(run);
 
 fn run(mut line: Console) {
     report::digest(&mut line, &["powf"], bits::powers());
     all(&mut line, FLOAT.take());
+    all(&mut line, WIDE.take());
+    all(&mut line, NARROW.take());
     report::done(&mut line);
 }
 

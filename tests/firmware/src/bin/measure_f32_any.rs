@@ -10,4 +10,4 @@ use skyfront_firmware::case::Case;
 use skyfront_firmware::machine::Processor;
 use skyfront_firmware::measured;
 
-measured!(F32<Processor>, 0.0, AnyScheme<F32<Processor>>, Case::paper(Scheme::SlCurvature));
+measured!(F32<Processor>, AnyScheme<F32<Processor>>, Case::paper(Scheme::SlCurvature));

@@ -1,7 +1,8 @@
 //! What each configuration of the core needs on each machine, and the gate against growth.
 
-use super::report::Report;
-use super::{MACHINES, Machine, build, elf, emulator};
+use crate::machines::{MACHINES, Machine};
+use crate::report::Report;
+use crate::{build, elf, emulator};
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,7 +10,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// The programs that are one configuration each, and what the table calls them.
-pub const PROGRAMS: [(&str, &str); 2] = [("measure_f32_fd", "f32, FD"), ("measure_f32_any", "f32, all schemes")];
+pub const PROGRAMS: [(&str, &str); 4] = [
+    ("measure_f32_fd", "f32, FD"),
+    ("measure_f32_any", "f32, all schemes"),
+    ("measure_q24_fd", "q24, FD"),
+    ("measure_q11_fd", "q11, FD"),
+];
 
 /// Stages whose instructions are in the table.
 const STAGES: [&str; 9] = ["normalize", "otsu", "rescale", "filter", "gradient", "edge", "front", "evolve", "measure"];
@@ -29,7 +35,7 @@ pub fn measure() -> Result<Table> {
     for machine in &MACHINES {
         for (program, _) in PROGRAMS {
             let needs = elf::needs(&build::image(machine.target, program))?;
-            let report = emulator::run(machine, program, Duration::from_secs(300))?;
+            let report = emulator::run(machine, program, Duration::from_secs(600))?;
             let mut put = |what: &str, value: f64| table.insert(format!("{} {program} {what}", machine.name), value);
             put("flash bytes", needs.flash as f64);
             put("memory bytes", needs.memory as f64);
@@ -94,8 +100,10 @@ fn parse(text: &str) -> Result<Table> {
 /// # Errors
 /// When a file cannot be written, or the README has no place for it.
 pub fn store(table: &Table) -> Result<()> {
-    let mut text =
-        format!("# MACHINE PROGRAM WHAT UNIT VALUE, by `on_target resources --store`\n# {}\n", build::compiler()?);
+    let mut text = format!(
+        "# MACHINE PROGRAM WHAT UNIT VALUE, by `skyfront-on-target resources --store`\n# {}\n",
+        build::compiler()?
+    );
     table.iter().for_each(|(name, value)| text += &format!("{name} {value}\n"));
     std::fs::write(stored(), text)?;
     let readme = build::folder().join("../../README.md");

@@ -1,12 +1,4 @@
-//! Builds the firmware, starts it on emulated processors and reads what they print.
-//!
-//! A machine that is missing, hangs, or leaves something out is a failure that says which.
-
-pub mod build;
-pub mod elf;
-pub mod emulator;
-pub mod report;
-pub mod resources;
+//! The emulated machines.
 
 /// A processor and the emulator that has it.
 #[derive(Debug, Clone, Copy)]

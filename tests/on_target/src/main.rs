@@ -1,28 +1,45 @@
-//! `on_target [digests|flight|resources] [--store]`: Skyfront on the emulated flight processors.
+//! `skyfront-on-target [digests|paper|flight|resources] [--store]`: Skyfront on the emulated flight processors.
 //!
 //! Installs what it needs where it may (see `tests/firmware/setup`), builds, runs, compares. `digests`: the
-//! same bits as here. `flight`: the example for flight computers. `resources`: flash, stack and
+//! same bits as here. `paper`: the paper's size on the Cortex-M7. `flight`: the example for flight computers. `resources`: flash, stack and
 //! instructions against the stored table, or into it. Without a name: all. Exit code 0 when all is well.
+//!
+//! A machine that is missing, hangs, or leaves something out is a failure that says which.
+
+mod build;
+mod elf;
+mod emulator;
+mod machines;
+mod report;
+mod resources;
 
 use anyhow::{Result, bail};
-use skyfront_core::arithmetic::{Arithmetic, F32};
+use machines::{MACHINES, Machine};
+use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_firmware::bits::{self, Planes};
-use skyfront_tests::on_target::{MACHINES, build, emulator, resources};
+use skyfront_firmware::paper::{self, Room};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
+
+const PARTS: [&str; 4] = ["digests", "paper", "flight", "resources"];
+
+/// How long a program may take: several times what it takes on two busy cores.
+const LIMIT: Duration = Duration::from_secs(600);
 
 fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
-    if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !["digests", "flight", "resources"].contains(n))
-    {
-        bail!("usage: on_target [digests|flight|resources] [--store]");
+    if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
+        bail!("usage: skyfront-on-target [digests|paper|flight|resources] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
     build::all()?;
     let mut problems = 0;
     if wanted("digests") {
-        problems += everywhere("digests", &here()?);
+        problems += everywhere("digests", &MACHINES, &here()?);
+    }
+    if wanted("paper") {
+        problems += everywhere("paper_size", &MACHINES[..1], &paper_size());
     }
     if wanted("flight") {
         problems += flight();
@@ -36,12 +53,12 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// Runs a program on every machine, compares its digests and says what is wrong; returns how much.
-fn everywhere(program: &str, expected: &BTreeMap<String, u32>) -> usize {
+/// Runs a program on machines, compares its digests and says what is wrong; returns how much.
+fn everywhere(program: &str, machines: &[Machine], expected: &BTreeMap<String, u32>) -> usize {
     let mut total = 0;
-    for machine in &MACHINES {
+    for machine in machines {
         let began = Instant::now();
-        let problems = match emulator::run(machine, program, Duration::from_secs(300)) {
+        let problems = match emulator::run(machine, program, LIMIT) {
             Ok(report) => report.differences(expected),
             Err(error) => vec![format!("{error:#}")],
         };
@@ -57,6 +74,8 @@ fn everywhere(program: &str, expected: &BTreeMap<String, u32>) -> usize {
 fn here() -> Result<BTreeMap<String, u32>> {
     let mut digests = BTreeMap::from([("powf".to_owned(), bits::powers())]);
     add::<F32>(&mut digests);
+    add::<Q24>(&mut digests);
+    add::<Q11>(&mut digests);
     let failed: Vec<&String> = digests.keys().filter(|name| name.ends_with("/error")).collect();
     if !failed.is_empty() {
         bail!("these runs fail on this machine: {failed:?}");
@@ -64,8 +83,17 @@ fn here() -> Result<BTreeMap<String, u32>> {
     Ok(digests)
 }
 
+/// The paper's size on this machine.
+fn paper_size() -> BTreeMap<String, u32> {
+    let mut digests = BTreeMap::new();
+    paper::run(&mut Box::new(Room::ZERO), |what, crc| {
+        digests.insert(format!("paper/{what}"), crc);
+    });
+    digests
+}
+
 fn add<A: Arithmetic>(digests: &mut BTreeMap<String, u32>) {
-    let mut planes = Box::new(Planes::<A>::filled(A::Cell::default()));
+    let mut planes = Box::new(Planes::<A>::ZERO);
     bits::all(&mut planes, |name, crc| {
         digests.insert(name.join("/"), crc);
     });
@@ -73,9 +101,9 @@ fn add<A: Arithmetic>(digests: &mut BTreeMap<String, u32>) {
 
 /// The example: the first machine's catalogue is what the others must find.
 fn flight() -> usize {
-    match emulator::run(&MACHINES[0], "flight", Duration::from_secs(60)) {
+    match emulator::run(&MACHINES[0], "flight", LIMIT) {
         Ok(report) if report.resources.get("sources").is_some_and(|&(sources, _)| sources > 0) => {
-            everywhere("flight", &report.digests)
+            everywhere("flight", &MACHINES, &report.digests)
         }
         Ok(_) => {
             println!("flight on {}: no sources", MACHINES[0].name);

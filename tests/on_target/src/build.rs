@@ -1,6 +1,6 @@
 //! From source to images.
 
-use super::MACHINES;
+use crate::machines::MACHINES;
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 /// Where the firmware's sources are.
 #[must_use]
 pub fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("firmware")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware")
 }
 
 /// The image of the program `bin` for `target`.

@@ -1,7 +1,8 @@
 //! Runs an image under its emulator and reads its serial line, for a limited time.
 
-use super::report::Report;
-use super::{Machine, build};
+use crate::build;
+use crate::machines::Machine;
+use crate::report::Report;
 use anyhow::{Context, Result, anyhow, bail};
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};

@@ -1,0 +1,12 @@
+//! 16-bit planes with the first-order scheme alone.
+
+#![no_std]
+#![no_main]
+
+use skyfront_core::arithmetic::Q11;
+use skyfront_core::config::Scheme;
+use skyfront_core::scheme::Fd;
+use skyfront_firmware::case::Case;
+use skyfront_firmware::measured;
+
+measured!(Q11, Fd<Q11>, Case::paper(Scheme::Fd));

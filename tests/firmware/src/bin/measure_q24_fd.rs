@@ -1,0 +1,12 @@
+//! 32-bit fixed point with the first-order scheme alone.
+
+#![no_std]
+#![no_main]
+
+use skyfront_core::arithmetic::Q24;
+use skyfront_core::config::Scheme;
+use skyfront_core::scheme::Fd;
+use skyfront_firmware::case::Case;
+use skyfront_firmware::measured;
+
+measured!(Q24, Fd<Q24>, Case::paper(Scheme::Fd));

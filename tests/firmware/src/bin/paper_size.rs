@@ -1,0 +1,18 @@
+//! The paper's 300 x 300 pixels in 16-bit planes, frame in to catalogue out.
+
+#![no_std]
+#![no_main]
+
+use skyfront_firmware::machine::Console;
+use skyfront_firmware::paper::{self, Room};
+use skyfront_firmware::{entry, report};
+use static_cell::ConstStaticCell;
+
+static ROOM: ConstStaticCell<Room> = ConstStaticCell::new(Room::ZERO);
+
+entry!(run);
+
+fn run(mut line: Console) {
+    paper::run(ROOM.take(), |what, crc| report::digest(&mut line, &["paper", what], crc));
+    report::done(&mut line);
+}

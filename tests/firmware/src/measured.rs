@@ -1,14 +1,14 @@
 //! One configuration of the core as a whole program: what it needs in flash, stack and instructions.
 
-use crate::case::{Case, HEIGHT, WIDTH};
 use crate::machine::{self, Console};
-use crate::report;
-use crate::run::{Planes, run};
 use core::hint::black_box;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::memory::ring_cells;
 use skyfront_core::scheme::Evolve;
 use skyfront_core::stage::Stage;
+use skyfront_workload::case::{Case, HEIGHT, WIDTH};
+use skyfront_workload::report;
+use skyfront_workload::run::{Planes, run};
 
 /// The memory for a program of one configuration.
 pub type Room<A> = Planes<A, WIDTH, { WIDTH * HEIGHT }, { ring_cells(WIDTH, true) }>;

@@ -16,8 +16,8 @@ mod resources;
 use anyhow::{Result, bail};
 use machines::{MACHINES, Machine};
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
-use skyfront_firmware::bits::{self, Planes};
-use skyfront_firmware::paper::{self, Room};
+use skyfront_workload::bits::{self, Planes};
+use skyfront_workload::paper::{self, Room};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 

@@ -10,7 +10,7 @@ use skyfront_core::memory::{Memory, ring_cells};
 use skyfront_core::outcome::Progress;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
-use skyfront_firmware::fram::{Failed, Fault, Fram, Pin};
+use skyfront_workload::fram::{Failed, Fault, Fram, Pin};
 
 const WIDTH: usize = 37;
 const HEIGHT: usize = 12;

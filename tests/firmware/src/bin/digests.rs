@@ -4,9 +4,10 @@
 #![no_main]
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
-use skyfront_firmware::bits::{self, Planes};
+use skyfront_firmware::entry;
 use skyfront_firmware::machine::{Console, Processor};
-use skyfront_firmware::{entry, report};
+use skyfront_workload::bits::{self, Planes};
+use skyfront_workload::report;
 use static_cell::ConstStaticCell;
 
 static FLOAT: ConstStaticCell<Planes<F32<Processor>>> = ConstStaticCell::new(Planes::ZERO);

@@ -9,9 +9,10 @@ use skyfront_core::hal::{Heartbeat, MapWriter, MemoryFrame, PixelFormat, SerialM
 use skyfront_core::memory::{Memory, bytes, ring_cells};
 use skyfront_core::outcome::Progress;
 use skyfront_core::{arithmetic::F32, scheme::Fd, segmenter::Segmenter};
-use skyfront_firmware::fram::{Failed, Pin, sky_in_fram};
+use skyfront_firmware::entry;
 use skyfront_firmware::machine::{Console, Processor};
-use skyfront_firmware::{bits, entry, report};
+use skyfront_workload::fram::{Failed, Pin, sky_in_fram};
+use skyfront_workload::{bits, report};
 use static_cell::ConstStaticCell;
 
 type Number = F32<Processor>;

@@ -6,8 +6,8 @@
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Scheme;
 use skyfront_core::scheme::AnyScheme;
-use skyfront_firmware::case::Case;
 use skyfront_firmware::machine::Processor;
 use skyfront_firmware::measured;
+use skyfront_workload::case::Case;
 
 measured!(F32<Processor>, AnyScheme<F32<Processor>>, Case::paper(Scheme::SlCurvature));

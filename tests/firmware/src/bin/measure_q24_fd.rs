@@ -6,7 +6,7 @@
 use skyfront_core::arithmetic::Q24;
 use skyfront_core::config::Scheme;
 use skyfront_core::scheme::Fd;
-use skyfront_firmware::case::Case;
 use skyfront_firmware::measured;
+use skyfront_workload::case::Case;
 
 measured!(Q24, Fd<Q24>, Case::paper(Scheme::Fd));

@@ -3,9 +3,10 @@
 #![no_std]
 #![no_main]
 
+use skyfront_firmware::entry;
 use skyfront_firmware::machine::Console;
-use skyfront_firmware::paper::{self, Room};
-use skyfront_firmware::{entry, report};
+use skyfront_workload::paper::{self, Room};
+use skyfront_workload::report;
 use static_cell::ConstStaticCell;
 
 static ROOM: ConstStaticCell<Room> = ConstStaticCell::new(Room::ZERO);

@@ -4,9 +4,9 @@
 //! names. Interrupts stay off. QEMU executes instructions, not pipelines: what the counters tell are
 //! instructions, never cycles.
 
-use crate::report;
 use core::fmt::{self, Write};
 use core::panic::PanicInfo;
+use skyfront_workload::report;
 
 #[cfg_attr(target_arch = "arm", path = "cortex_m.rs")]
 #[cfg_attr(target_arch = "riscv32", path = "riscv.rs")]

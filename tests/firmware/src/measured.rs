@@ -56,8 +56,8 @@ pub fn program<A: Arithmetic, S: Evolve<A>>(mut line: Console, case: &Case, room
 #[macro_export]
 macro_rules! measured {
     ($arithmetic:ty, $scheme:ty, $case:expr) => {
-        static ROOM: static_cell::ConstStaticCell<$crate::measured::Room<$arithmetic>> =
-            static_cell::ConstStaticCell::new($crate::measured::Room::ZERO);
+        static ROOM: $crate::machine::Once<$crate::measured::Room<$arithmetic>> =
+            $crate::machine::Once::new($crate::measured::Room::ZERO);
 
         $crate::entry!(measure);
 

@@ -1,4 +1,4 @@
-//! Lines of the protocol, written without `core::fmt`: it would be most of a small program.
+//! Lines of the protocol, written without `core::fmt`: it would be a good part of a small program.
 
 use core::fmt::Write;
 
@@ -16,9 +16,16 @@ pub fn digest(line: &mut impl Write, name: &[&str], crc: u32) {
 /// `resource NAME VALUE UNIT`.
 pub fn resource(line: &mut impl Write, name: &[&str], value: u64, unit: &str) {
     start(line, "resource", name);
-    let digit = |n: usize| value / 10u64.saturating_pow(n as u32) % 10;
-    let leading = (1..DIGITS).rev().find(|&n| digit(n) > 0).unwrap_or(0);
-    (0..=leading).rev().for_each(|n| put(line, b"0123456789", digit(n) as usize));
+    let (mut digits, mut rest, mut count) = ([0; DIGITS], value, 0);
+    for digit in &mut digits {
+        *digit = (rest % 10) as usize;
+        rest /= 10;
+        count += 1;
+        if rest == 0 {
+            break;
+        }
+    }
+    digits.iter().take(count).rev().for_each(|&digit| put(line, b"0123456789", digit));
     end(line, unit);
 }
 
@@ -52,4 +59,23 @@ fn end(line: &mut impl Write, unit: &str) {
 /// A line that cannot be written is missed by the reader, who knows every name to expect.
 fn text(line: &mut impl Write, text: &str) {
     let _ = line.write_str(text);
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::String;
+
+    #[test]
+    fn lines_read_as_promised() {
+        let mut text = String::new();
+        digest(&mut text, &["f32", "fd"], 0x00AB_CDEF);
+        resource(&mut text, &["stack"], 0, "bytes");
+        resource(&mut text, &["a", "b", "c"], u64::MAX, "steps");
+        done(&mut text);
+        let wanted =
+            "digest f32/fd 00abcdef\nresource stack 0 bytes\nresource a/b/c 18446744073709551615 steps\ndone\n";
+        assert_eq!(text, wanted);
+    }
 }

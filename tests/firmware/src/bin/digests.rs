@@ -5,14 +5,13 @@
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_firmware::entry;
-use skyfront_firmware::machine::{Console, Processor};
+use skyfront_firmware::machine::{Console, Once, Processor};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::report;
-use static_cell::ConstStaticCell;
 
-static FLOAT: ConstStaticCell<Planes<F32<Processor>>> = ConstStaticCell::new(Planes::ZERO);
-static WIDE: ConstStaticCell<Planes<Q24>> = ConstStaticCell::new(Planes::ZERO);
-static NARROW: ConstStaticCell<Planes<Q11>> = ConstStaticCell::new(Planes::ZERO);
+static FLOAT: Once<Planes<F32<Processor>>> = Once::new(Planes::ZERO);
+static WIDE: Once<Planes<Q24>> = Once::new(Planes::ZERO);
+static NARROW: Once<Planes<Q11>> = Once::new(Planes::ZERO);
 
 entry!(run);
 

@@ -10,10 +10,9 @@ use skyfront_core::memory::{Memory, bytes, ring_cells};
 use skyfront_core::outcome::Progress;
 use skyfront_core::{arithmetic::F32, scheme::Fd, segmenter::Segmenter};
 use skyfront_firmware::entry;
-use skyfront_firmware::machine::{Console, Processor};
+use skyfront_firmware::machine::{Console, Once, Processor};
 use skyfront_workload::fram::{Failed, Pin, sky_in_fram};
 use skyfront_workload::{bits, report};
-use static_cell::ConstStaticCell;
 
 type Number = F32<Processor>;
 const W: usize = 48;
@@ -21,12 +20,12 @@ const H: usize = 36;
 const MAP: u32 = 0x4000;
 const _: () = assert!(bytes(W, H, 4, false, 16) < 18 * 1024, "more memory than this computer has");
 
-static IMAGE: ConstStaticCell<[f32; W * H]> = ConstStaticCell::new([0.0; W * H]);
-static FRONT: ConstStaticCell<[f32; W * H]> = ConstStaticCell::new([0.0; W * H]);
-static RING: ConstStaticCell<[f32; ring_cells(W, false)]> = ConstStaticCell::new([0.0; ring_cells(W, false)]);
-static SAMPLES: ConstStaticCell<[f32; W]> = ConstStaticCell::new([0.0; W]);
-static SOURCES: ConstStaticCell<[Source; 16]> = ConstStaticCell::new([Source::empty(0); 16]);
-static STORAGE: ConstStaticCell<[u8; 0x8000]> = ConstStaticCell::new([0; 0x8000]);
+static IMAGE: Once<[f32; W * H]> = Once::new([0.0; W * H]);
+static FRONT: Once<[f32; W * H]> = Once::new([0.0; W * H]);
+static RING: Once<[f32; ring_cells(W, false)]> = Once::new([0.0; ring_cells(W, false)]);
+static SAMPLES: Once<[f32; W]> = Once::new([0.0; W]);
+static SOURCES: Once<[Source; 16]> = Once::new([Source::empty(0); 16]);
+static STORAGE: Once<[u8; 0x8000]> = Once::new([0; 0x8000]);
 
 entry!(fly);
 

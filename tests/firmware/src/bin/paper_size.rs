@@ -4,12 +4,11 @@
 #![no_main]
 
 use skyfront_firmware::entry;
-use skyfront_firmware::machine::Console;
+use skyfront_firmware::machine::{Console, Once};
 use skyfront_workload::paper::{self, Room};
 use skyfront_workload::report;
-use static_cell::ConstStaticCell;
 
-static ROOM: ConstStaticCell<Room> = ConstStaticCell::new(Room::ZERO);
+static ROOM: Once<Room> = Once::new(Room::ZERO);
 
 entry!(run);
 

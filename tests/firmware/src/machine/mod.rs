@@ -4,6 +4,7 @@
 //! names. Interrupts stay off. QEMU executes instructions, not pipelines: what the counters tell are
 //! instructions, never cycles.
 
+use core::cell::{Cell, UnsafeCell};
 use core::fmt::{self, Write};
 use core::panic::PanicInfo;
 use skyfront_workload::report;
@@ -43,6 +44,33 @@ pub fn stack_used() -> usize {
         .take_while(|&at| unsafe { (at as *const u32).read_volatile() } == PAINT)
         .count();
     top - bottom - 4 * painted
+}
+
+/// Static memory that is handed out once.
+///
+/// `static_cell` does the same wherever a byte can be swapped atomically, which a LEON3 cannot.
+pub struct Once<T> {
+    taken: Cell<bool>,
+    value: UnsafeCell<T>,
+}
+
+// Sound: there is one core, and interrupts stay off, so that nothing happens at the same time.
+unsafe impl<T> Sync for Once<T> {}
+
+impl<T> Once<T> {
+    /// The memory with its first value; all zeros take no flash.
+    pub const fn new(value: T) -> Self {
+        Once { taken: Cell::new(false), value: UnsafeCell::new(value) }
+    }
+
+    /// The memory; asking twice ends the program, as a fault does.
+    pub fn take(&'static self) -> &'static mut T {
+        if self.taken.replace(true) {
+            fault(0);
+        }
+        // Sound: this is the first call, so that nobody else has a reference.
+        unsafe { &mut *self.value.get() }
+    }
 }
 
 /// Names the application: a `fn(Console)` that the start-up code calls once; the machine ends when it returns.

@@ -6,6 +6,7 @@ use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::digest::{self, Digest};
+use skyfront_core::error::Error;
 use skyfront_core::frame::Frame;
 use skyfront_core::memory::{Memory, ring_cells};
 use skyfront_core::outcome::{Outcome, StopReason};
@@ -63,6 +64,8 @@ pub fn one<A: Arithmetic, F: Frame>(
     });
     match outcome {
         Ok(outcome) => tell("outcome", outcome_digest(&outcome)),
+        // An arithmetic may refuse a setting that its cells cannot hold: then all processors must.
+        Err(Error::Arithmetic { .. }) => tell("refused", 0),
         Err(_) => tell("error", 0),
     }
 }

@@ -46,6 +46,8 @@ static PRESETS: [Preset; 3] = [
             filter_dt: 1e-3,
             order: Order::FilterFirst,
             edge: Edge::G1 { p: 3.0 },
+            // Strong enough for 16-bit cells; they refuse the curvature of the other presets.
+            nu: 0.01,
             stop: Stop::Rate,
             connectivity: Connectivity::Four,
             min_area: 3,

@@ -1,10 +1,15 @@
-//! `skyfront-on-target [digests|paper|flight|resources] [--store]`: Skyfront on the emulated flight processors.
+//! Skyfront on the emulated flight processors: `skyfront-on-target [PART...] [--store]`.
 //!
-//! Installs what it needs where it may (see `tests/firmware/setup`), builds, runs, compares. `digests`: the
-//! same bits as here. `paper`: the paper's size on the Cortex-M7. `flight`: the example for flight computers. `resources`: flash, stack and
-//! instructions against the stored table, or into it. Without a name: all. Exit code 0 when all is well.
+//! Installs what it needs where it may (see `tests/firmware/setup`), builds, runs, compares:
 //!
-//! A machine that is missing, hangs, or leaves something out is a failure that says which.
+//! - `host`: the golden digests on this machine; with `--store`, writes them;
+//! - `digests`: the golden digests on every processor;
+//! - `paper`: the paper's size on the Cortex-M7;
+//! - `flight`: the example for flight computers;
+//! - `resources`: flash, stack and instructions against the stored table; with `--store`, writes it.
+//!
+//! Without a part: all. Exit code 0 when all is well. A machine that is missing, hangs, or leaves
+//! something out is a failure that says which.
 
 mod build;
 mod elf;
@@ -13,15 +18,17 @@ mod machines;
 mod report;
 mod resources;
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use machines::{MACHINES, Machine};
+use report::Report;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper::{self, Room};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const PARTS: [&str; 4] = ["digests", "paper", "flight", "resources"];
+const PARTS: [&str; 5] = ["host", "digests", "paper", "flight", "resources"];
 
 /// How long a program may take: several times what it takes on two busy cores.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -30,13 +37,20 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
     if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
-        bail!("usage: skyfront-on-target [digests|paper|flight|resources] [--store]");
+        bail!("usage: skyfront-on-target [host|digests|paper|flight|resources] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
-    build::all()?;
+    let store = options.contains(&"--store");
     let mut problems = 0;
+    if wanted("host") {
+        problems += host(store)?;
+    }
+    if names == ["host"] {
+        return verdict(problems);
+    }
+    build::all()?;
     if wanted("digests") {
-        problems += everywhere("digests", &MACHINES, &here()?);
+        problems += everywhere("digests", &MACHINES, &golden()?);
     }
     if wanted("paper") {
         problems += everywhere("paper_size", &MACHINES[..1], &paper_size());
@@ -45,12 +59,43 @@ fn main() -> Result<()> {
         problems += flight();
     }
     if wanted("resources") {
-        problems += needs(options.contains(&"--store"))?;
+        problems += needs(store)?;
     }
+    verdict(problems)
+}
+
+fn verdict(problems: usize) -> Result<()> {
     if problems > 0 {
-        bail!("{problems} problems on the processors");
+        bail!("{problems} problems");
     }
     Ok(())
+}
+
+/// The file of golden digests, one `digest NAME 1a2b3c4d` a line.
+fn golden_file() -> PathBuf {
+    build::folder().join("../golden.txt")
+}
+
+fn golden() -> Result<BTreeMap<String, u32>> {
+    let mut report = Report::default();
+    let text = std::fs::read_to_string(golden_file()).with_context(|| golden_file().display().to_string())?;
+    match text.lines().find(|line| !report.add(line)) {
+        Some(line) => bail!("{}: no digest: {line:?}", golden_file().display()),
+        None => Ok(report.digests),
+    }
+}
+
+/// Compares this machine with the golden file, or stores what it computes there.
+fn host(store: bool) -> Result<usize> {
+    let digests = here()?;
+    if store {
+        let lines: String = digests.iter().map(|(name, crc)| format!("digest {name} {crc:08x}\n")).collect();
+        std::fs::write(golden_file(), lines)?;
+    }
+    let problems = Report { digests, ..Report::default() }.differences(&golden()?);
+    println!("digests on this machine: {} problems", problems.len());
+    problems.iter().for_each(|problem| println!("  {problem}"));
+    Ok(problems.len())
 }
 
 /// Runs a program on machines, compares its digests and says what is wrong; returns how much.

@@ -3,15 +3,12 @@
 use crate::machine::{self, Console};
 use core::hint::black_box;
 use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::memory::ring_cells;
 use skyfront_core::scheme::Evolve;
 use skyfront_core::stage::Stage;
+use skyfront_workload::bits::Planes;
 use skyfront_workload::case::{Case, HEIGHT, WIDTH};
 use skyfront_workload::report;
-use skyfront_workload::run::{Planes, run};
-
-/// The memory for a program of one configuration.
-pub type Room<A> = Planes<A, WIDTH, { WIDTH * HEIGHT }, { ring_cells(WIDTH, true) }>;
+use skyfront_workload::run::run;
 
 /// Stages that are measured, and what they are called.
 const STAGES: [(Stage, &str); 9] = [
@@ -30,7 +27,7 @@ const STAGES: [(Stage, &str); 9] = [
 ///
 /// Prints for each stage `resource STAGE N instructions` and `resource STAGE/pixels N pixel-steps`, where the
 /// processor counts instructions, and the painted stack.
-pub fn program<A: Arithmetic, S: Evolve<A>>(mut line: Console, case: &Case, room: &mut Room<A>) {
+pub fn program<A: Arithmetic, S: Evolve<A>>(mut line: Console, case: &Case, room: &mut Planes<A>) {
     // Not known to the compiler: it must not leave out what this one setting does not use.
     let config = black_box(case.config::<A>());
     let mut counts = [(0u64, 0u64); STAGES.len()];
@@ -56,8 +53,8 @@ pub fn program<A: Arithmetic, S: Evolve<A>>(mut line: Console, case: &Case, room
 #[macro_export]
 macro_rules! measured {
     ($arithmetic:ty, $scheme:ty, $case:expr) => {
-        static ROOM: $crate::machine::Once<$crate::measured::Room<$arithmetic>> =
-            $crate::machine::Once::new($crate::measured::Room::ZERO);
+        static ROOM: $crate::machine::Once<skyfront_workload::bits::Planes<$arithmetic>> =
+            $crate::machine::Once::new(skyfront_workload::bits::Planes::ZERO);
 
         $crate::entry!(measure);
 

@@ -6,7 +6,7 @@ use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::hal::{CHUNK, Heartbeat, MapWriter, MemoryError, MemoryFrame, PixelFormat, PollError, SerialMemory};
-use skyfront_core::memory::{Memory, ring_cells};
+use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::Progress;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
@@ -189,10 +189,17 @@ fn through_devices(fault: Option<Fault>) -> Flight {
     fram.fault = fault;
     let mut frame = frame(fram, format);
     let (mut image, mut front) = ([0.0; PIXELS], [0.0; PIXELS]);
+    let mut tiles = [0; flags_len(WIDTH, HEIGHT)];
     let (mut ring, mut samples) = ([0.0; ring_cells(WIDTH, false)], [0.0; WIDTH]);
     let mut sources = [Source::empty(0); 8];
-    let memory =
-        Memory { image: &mut image, front: &mut front, ring: &mut ring, samples: &mut samples, sources: &mut sources };
+    let memory = Memory {
+        image: &mut image,
+        front: &mut front,
+        ring: &mut ring,
+        tiles: &mut tiles,
+        samples: &mut samples,
+        sources: &mut sources,
+    };
     let mut run = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, memory).unwrap();
     let mut heartbeat = Heartbeat::new(Pin::default(), 5);
     let (mut failures, mut polls) = (0, 0);
@@ -246,9 +253,16 @@ fn a_fault_at_any_transaction_is_reported_and_changes_nothing() {
 fn the_memory_gives_the_same_result_as_a_slice() {
     let pixels = as_pixels(&values(PixelFormat::U16Le));
     let (mut image, mut front) = ([0.0; PIXELS], [0.0; PIXELS]);
+    let mut tiles = [0; flags_len(WIDTH, HEIGHT)];
     let (mut ring, mut samples) = ([0.0; ring_cells(WIDTH, false)], [0.0; WIDTH]);
-    let memory =
-        Memory { image: &mut image, front: &mut front, ring: &mut ring, samples: &mut samples, sources: &mut [] };
+    let memory = Memory {
+        image: &mut image,
+        front: &mut front,
+        ring: &mut ring,
+        tiles: &mut tiles,
+        samples: &mut samples,
+        sources: &mut [],
+    };
     let mut run = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, memory).unwrap();
     while !matches!(run.poll(HEIGHT, &mut SliceFrame(&pixels)).unwrap(), Progress::Done(_)) {}
     let labels: Vec<u32> = run.front().iter().map(|&cell| cell as u32).collect();

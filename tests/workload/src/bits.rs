@@ -8,13 +8,14 @@ use skyfront_core::config::Config;
 use skyfront_core::digest::{self, Digest};
 use skyfront_core::error::Error;
 use skyfront_core::frame::Frame;
-use skyfront_core::memory::{Memory, ring_cells};
+use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::{Outcome, StopReason};
 use skyfront_core::scheme::AnyScheme;
 use skyfront_core::stage::Stage;
 
 /// The memory for every case.
-pub type Planes<A> = run::Planes<A, WIDTH, { WIDTH * HEIGHT }, { ring_cells(WIDTH, true) }>;
+pub type Planes<A> =
+    run::Planes<A, WIDTH, { WIDTH * HEIGHT }, { ring_cells(WIDTH, true) }, { flags_len(WIDTH, HEIGHT) }>;
 
 /// Rows of one poll: a number that divides no height, so that slices end anywhere.
 const SLICE: usize = 7;

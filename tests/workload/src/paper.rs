@@ -4,14 +4,14 @@ use crate::bits;
 use crate::run::Planes;
 use skyfront_core::arithmetic::{Arithmetic, Q11};
 use skyfront_core::config::Config;
-use skyfront_core::memory::ring_cells;
+use skyfront_core::memory::{flags_len, ring_cells};
 use skyfront_core::simulate::{Kind, Sky};
 
 /// Columns and rows.
 pub const SIDE: usize = 300;
 
 /// All memory of the run.
-pub type Room = Planes<Q11, SIDE, { SIDE * SIDE }, { ring_cells(SIDE, false) }>;
+pub type Room = Planes<Q11, SIDE, { SIDE * SIDE }, { ring_cells(SIDE, false) }, { flags_len(SIDE, SIDE) }>;
 
 const _: () = assert!(size_of::<Room>() <= 384 * 1024, "the paper's image no longer fits the microcontroller");
 

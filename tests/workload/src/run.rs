@@ -11,22 +11,27 @@ use skyfront_core::scheme::Evolve;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::stage::Stage;
 
-/// All memory of a run: `PIXELS` = width x height, `RING` = [`skyfront_core::memory::ring_cells`].
+/// All memory of a run: `PIXELS` = width x height, `RING` and `FLAGS` as [`skyfront_core::memory::ring_cells`]
+/// and [`skyfront_core::memory::flags_len`] tell.
 #[derive(Debug)]
-pub struct Planes<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize> {
+pub struct Planes<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize, const FLAGS: usize> {
     image: [A::Cell; PIXELS],
     front: [A::Cell; PIXELS],
     ring: [A::Cell; RING],
+    tiles: [u8; FLAGS],
     samples: [f32; WIDTH],
     sources: [Source; 16],
 }
 
-impl<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize> Planes<A, WIDTH, PIXELS, RING> {
+impl<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize, const FLAGS: usize>
+    Planes<A, WIDTH, PIXELS, RING, FLAGS>
+{
     /// Memory of zeros, which costs no flash.
     pub const ZERO: Self = Planes {
         image: [A::Cell::BLANK; PIXELS],
         front: [A::Cell::BLANK; PIXELS],
         ring: [A::Cell::BLANK; RING],
+        tiles: [0; FLAGS],
         samples: [0.0; WIDTH],
         sources: [Source::empty(0); 16],
     };
@@ -37,6 +42,7 @@ impl<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize> 
             image: &mut self.image,
             front: &mut self.front,
             ring: &mut self.ring,
+            tiles: &mut self.tiles,
             samples: &mut self.samples,
             sources: &mut self.sources,
         }

@@ -1,5 +1,6 @@
 //! The catalogue: what each segment measures on the original pixels.
 
+use crate::codec::Codec;
 use crate::machine::{Machine, Plain};
 use crate::sum::Sum;
 
@@ -66,6 +67,41 @@ impl Source {
             moment_xy: NONE,
             moment_yy: NONE,
         }
+    }
+
+    /// The list of fields, out or in; a peak that is no number comes in as 0.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        let (columns, rows, peak_at) = (&mut self.columns, &mut self.rows, &mut self.peak_at);
+        for word in [
+            &mut self.label,
+            &mut self.area,
+            &mut self.x0,
+            &mut self.y0,
+            &mut columns.0,
+            &mut columns.1,
+            &mut rows.0,
+            &mut rows.1,
+            &mut peak_at.0,
+            &mut peak_at.1,
+        ] {
+            codec.word(word)?;
+        }
+        codec.real(&mut self.peak)?;
+        if !self.peak.is_finite() {
+            self.peak = 0.0;
+        }
+        for sum in [
+            &mut self.sum,
+            &mut self.weight,
+            &mut self.moment_x,
+            &mut self.moment_y,
+            &mut self.moment_xx,
+            &mut self.moment_xy,
+            &mut self.moment_yy,
+        ] {
+            sum.code(codec)?;
+        }
+        Ok(())
     }
 
     /// Takes in a pixel; pixels come in raster order.
@@ -146,6 +182,14 @@ impl Source {
             theta: if spread > 0.0 { libm::atan2f(xy, half) * 0.5 } else { 0.0 },
         }
     }
+}
+
+/// A catalogue with room for `N` sources, as [`crate::memory::Memory::sources`] wants it; after the
+/// run `truncate` it to [`crate::outcome::Outcome::catalogued`].
+pub fn room_for<const N: usize>() -> heapless::Vec<Source, N> {
+    let mut room = heapless::Vec::new();
+    while room.push(Source::empty(0)).is_ok() {}
+    room
 }
 
 #[cfg(test)]

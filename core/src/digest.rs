@@ -15,6 +15,7 @@ impl Default for Digest {
 }
 
 /// The table of one nibble: small enough for a microcontroller, twice as fast as bits.
+#[allow(clippy::indexing_slicing, reason = "evaluated by the compiler")]
 const NIBBLES: [u32; 16] = {
     let mut table = [0; 16];
     let mut n = 0;
@@ -32,6 +33,7 @@ const NIBBLES: [u32; 16] = {
 };
 
 /// One nibble step; the index is below 16 by its mask.
+#[allow(clippy::indexing_slicing, reason = "the mask keeps the index below the length")]
 fn step(crc: u32, nibble: u32) -> u32 {
     let index = ((crc ^ nibble) & 15) as usize;
     (crc >> 4) ^ NIBBLES[index]

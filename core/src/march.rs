@@ -16,6 +16,7 @@
 //! times it comes out too late by at most `2 WIDTH^2`, 1/32 of a pixel.
 
 use crate::arithmetic::{Arithmetic, Cell, Real};
+use crate::codec::Codec;
 use crate::settle::FLOOR;
 
 /// Time that a bucket spans, in pixels of free motion.
@@ -121,6 +122,24 @@ fn arrival<A: Arithmetic>(h: f32, v: f32, delay: f32) -> f32 {
 }
 
 impl March {
+    /// The list of fields, out or in; the last bucket is the configuration's.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        self.heads.iter_mut().try_for_each(|head| codec.word(head))?;
+        codec.word(&mut self.next)?;
+        codec.word(&mut self.bucket)?;
+        codec.real(&mut self.latest)
+    }
+
+    /// Whether a march to `t_max` over so many pixels can be in this state.
+    pub(crate) fn is_sound(&self, t_max: f32, pixels: usize) -> bool {
+        let known = |&link: &u32| link == END || (link as usize) < pixels;
+        self.heads.iter().all(known)
+            && known(&self.next)
+            && self.bucket <= self.last_bucket
+            && self.latest.is_finite()
+            && self.last_bucket == March::new(t_max).last_bucket
+    }
+
     /// A march up to the time `t_max`, in pixels of free motion.
     pub fn new(t_max: f32) -> March {
         let last_bucket = ((t_max + OFFSET) / WIDTH) as u32;

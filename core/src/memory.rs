@@ -42,6 +42,16 @@ pub const fn bytes(width: usize, height: usize, cell_bytes: usize, sl_curvature:
         + size_of::<Source>() * sources
 }
 
+/// More than a [`crate::segmenter::Segmenter`] itself takes, whatever its arithmetic and scheme.
+pub const SEGMENTER_BYTES: usize = 3072;
+
+/// The greatest catalogue with which a run, the segmenter and the catalogue included, stays within
+/// two cells a pixel and 64 bytes a column; for frames of 256 columns and more.
+pub const fn catalogue_room(width: usize, cell_bytes: usize, sl_curvature: bool) -> usize {
+    let rest = bytes(width, 0, cell_bytes, sl_curvature, 0) + SEGMENTER_BYTES;
+    (64 * width).saturating_sub(rest) / size_of::<Source>()
+}
+
 impl<A: Arithmetic> Memory<'_, A> {
     /// Checks every slice but the catalogue against the frame and the window of the scheme.
     ///

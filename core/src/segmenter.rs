@@ -1,54 +1,29 @@
 //! The state machine that takes a frame through all steps, in slices of bounded work.
 
 use crate::arithmetic::{Arithmetic, Cell, Real};
+use crate::budget;
 use crate::catalog::Source;
 use crate::config::{Config, Filter, Normalize, Rescale, Scheme, Start, Tau};
-use crate::edge::{EdgeDetector, GradientRange};
+use crate::edge::EdgeDetector;
 use crate::error::Error;
 use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
 use crate::front::{Front, LEAST_SIDE};
 use crate::label::{Damaged, Table};
-use crate::march::March;
 use crate::memory::{Memory, flags_len};
-use crate::normalize::{self, Extremes, Range};
-use crate::otsu::Histogram;
+use crate::normalize::{self, Range};
 use crate::outcome::{Outcome, Progress, StopReason};
 use crate::rescale::Rescaler;
 use crate::scheme::{AnyScheme, Evolve, Step};
 use crate::select::Select;
 use crate::settle::Settle;
+use crate::snapshot::{Parts, SnapshotError};
 use crate::stage::Stage;
 use crate::start;
+use crate::state::State;
 use crate::stop::{Change, StopRule};
 use crate::sweep::{Band, Halo, Kernel, advance, row_of, row_of_mut};
 use crate::tiles::{Tiles, rows_of_tile};
-
-/// Everything that changes during a run but lies not in a plane.
-#[derive(Clone, Copy, Debug)]
-struct State<A: Arithmetic> {
-    stage: Stage,
-    pass: u32,
-    row: usize,
-    extremes: Extremes,
-    select: Select,
-    range: Range,
-    fill: f32,
-    histogram: Histogram,
-    tau: f32,
-    gradient: GradientRange<A>,
-    march: March,
-    marching: bool,
-    change: Change<A>,
-    last_change: f32,
-    reason: StopReason,
-    steps: u32,
-    mask_pixels: u32,
-    labels: u32,
-    numbered: u32,
-    unlabelled: u32,
-    work: u64,
-}
 
 /// A run over one frame: immutable configuration, the caller's memory, and the state.
 ///
@@ -59,12 +34,15 @@ pub struct Segmenter<'m, A: Arithmetic, S: Evolve<A> = AnyScheme<A>> {
     config: Config,
     width: usize,
     height: usize,
+    bound: u64,
     front: Front,
     scheme: S,
     rule: StopRule<A>,
     settle: Settle<A>,
     memory: Memory<'m, A>,
     state: State<A>,
+    /// The memory was found damaged, or holds half a snapshot.
+    broken: bool,
 }
 
 /// A front about to move: see [`Segmenter::evolution`].
@@ -109,31 +87,22 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let flags = flags_len(width, height);
         let memory = Memory { tiles: memory.tiles.get_mut(..flags).unwrap_or(&mut []), ..memory };
         let rule = StopRule::new(config, front.unit);
-        let state = State {
-            stage: Stage::Extremes,
-            pass: 0,
-            row: 0,
-            extremes: Extremes::NONE,
-            select: Select::new(0),
-            range: Range { low: 0.0, high: 1.0 },
-            fill: 0.0,
-            histogram: Histogram::EMPTY,
-            tau: 0.0,
-            gradient: GradientRange::none(),
-            march: March::new(config.farthest()),
-            marching: true,
-            change: Change::none(&rule),
-            last_change: 0.0,
-            reason: StopReason::TimeLimit,
-            steps: 0,
-            mask_pixels: 0,
-            labels: 0,
-            numbered: 0,
-            unlabelled: 0,
-            work: 0,
-        };
+        let state = State::new(config, &rule);
+        let bound = budget::total_rows(config, height);
         let settle = Settle::new(config.band);
-        Ok(Segmenter { config: *config, width, height, front, scheme, rule, settle, memory, state })
+        Ok(Segmenter {
+            config: *config,
+            width,
+            height,
+            bound,
+            front,
+            scheme,
+            rule,
+            settle,
+            memory,
+            state,
+            broken: false,
+        })
     }
 
     /// Does at most `rows` rows (at least one) of the pass under way.
@@ -144,7 +113,20 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// # Errors
     /// [`Error::Frame`], [`Error::NothingDefined`], [`Error::Constant`] or [`Error::Corrupted`].
     pub fn poll<F: Frame>(&mut self, rows: usize, frame: &mut F) -> Result<Progress, Error<F::Error>> {
+        if self.broken {
+            return Err(corrupted("an earlier poll or snapshot"));
+        }
+        let result = self.slice(rows, frame);
+        self.broken = matches!(result, Err(Error::Corrupted { .. }));
+        result
+    }
+
+    fn slice<F: Frame>(&mut self, rows: usize, frame: &mut F) -> Result<Progress, Error<F::Error>> {
         let height = self.height;
+        // A run that was left alone has always some of its budget left here.
+        if self.state.work >= self.bound && self.state.stage != Stage::Done {
+            return Err(corrupted("the state"));
+        }
         let end = self.state.row.saturating_add(rows.max(1)).min(height);
         match self.state.stage {
             Stage::Filter => self.filter_rows(end),
@@ -171,6 +153,37 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             self.end_pass().map_err(|error| error.map_frame(|never| match never {}))?;
         }
         Ok(self.progress())
+    }
+
+    /// Writes the run out as a snapshot ([`crate::snapshot`]), in chunks of at most 64 bytes.
+    ///
+    /// # Errors
+    /// The first error of `write`; the run goes on as if nothing had been asked.
+    pub fn save<E>(&mut self, write: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
+        self.parts().save(write)
+    }
+
+    /// Takes up the run of a snapshot in the place of this one, which must have the same
+    /// configuration, size and length of the catalogue. `read` fills the whole slice or fails.
+    ///
+    /// # Errors
+    /// [`SnapshotError`]; this run is then lost, and every poll reports [`Error::Corrupted`].
+    pub fn restore<E>(&mut self, read: impl FnMut(&mut [u8]) -> Result<(), E>) -> Result<(), SnapshotError<E>> {
+        let result = self.parts().restore(read);
+        self.broken = result.is_err();
+        result
+    }
+
+    fn parts(&mut self) -> Parts<'_, 'm, A> {
+        Parts {
+            config: &self.config,
+            width: self.width,
+            height: self.height,
+            window: self.scheme.window(),
+            bound: self.bound,
+            memory: &mut self.memory,
+            state: &mut self.state,
+        }
     }
 
     /// One row of a stage that looks at no neighbours.
@@ -515,6 +528,11 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// The stage under way.
     pub fn stage(&self) -> Stage {
         self.state.stage
+    }
+
+    /// Row operations done so far, and the most that the run can need ([`budget::total_rows`]).
+    pub fn work(&self) -> (u64, u64) {
+        (self.state.work, self.bound)
     }
 
     /// The front's unit: how many units of the front plane make 1 of the paper's `u0`.

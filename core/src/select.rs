@@ -4,6 +4,8 @@
 //! of the keys that agree with the bytes found so far; after four passes the key, and with it the
 //! value of the wanted rank, is known exactly. Cost: four passes over the pixels.
 
+use crate::codec::Codec;
+
 /// Number of passes that a selection takes.
 pub const PASSES: u32 = 4;
 
@@ -39,6 +41,19 @@ impl Select {
         let millionths = (percent * 1e6) as u64;
         let rank = millionths.saturating_mul(u64::from(last)) / 100_000_000;
         Select::new((rank as u32).min(last))
+    }
+
+    /// The list of fields, out or in.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.word(&mut self.prefix)?;
+        codec.word(&mut self.pass)?;
+        codec.word(&mut self.rank)?;
+        self.counts.iter_mut().try_for_each(|count| codec.word(count))
+    }
+
+    /// Whether a selection can be in this state.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.pass <= PASSES
     }
 
     /// Counts one row of pixels; NaN and infinities do not count.

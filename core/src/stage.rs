@@ -60,6 +60,46 @@ pub enum Stage {
 }
 
 impl Stage {
+    /// All stages, in the order in which they are declared.
+    pub const ALL: [Stage; 26] = [
+        Stage::Extremes,
+        Stage::LowPercentile,
+        Stage::HighPercentile,
+        Stage::Median,
+        Stage::Normalize,
+        Stage::Otsu,
+        Stage::Rescale,
+        Stage::Filter,
+        Stage::StartLevel,
+        Stage::StartMark,
+        Stage::StartUp,
+        Stage::StartDown,
+        Stage::Gradient,
+        Stage::Edge,
+        Stage::Front,
+        Stage::Evolve,
+        Stage::Seed,
+        Stage::Sow,
+        Stage::March,
+        Stage::Arrive,
+        Stage::Provisional,
+        Stage::Resolve,
+        Stage::Count,
+        Stage::Number,
+        Stage::Measure,
+        Stage::Done,
+    ];
+
+    /// Its number in snapshots.
+    pub(crate) fn code(self) -> u32 {
+        self as u32
+    }
+
+    /// The stage with that number; the first where there is none.
+    pub(crate) fn from_code(code: u32) -> Stage {
+        Stage::ALL.get(code as usize).copied().unwrap_or(Stage::Extremes)
+    }
+
     /// The order of all stages.
     pub(crate) fn following(self, order: Order) -> Stage {
         use Order::{FilterFirst, RescaleFirst};

@@ -1,5 +1,7 @@
 //! Sums of many `f32` without loss: a compensated sum in two words.
 
+use crate::codec::Codec;
+
 /// A running sum; the error of the result is about one unit in its last place, however many terms
 /// (Knuth's two-sum: what each addition rounds away is kept).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +26,16 @@ impl Sum {
         // Renormalised, so that the low word never grows beyond half a unit of the high one.
         self.high = sum + rest;
         self.low = rest - (self.high - sum);
+    }
+
+    /// The list of fields, out or in; a sum that is no number comes in as 0.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.real(&mut self.high)?;
+        codec.real(&mut self.low)?;
+        if !(self.high.is_finite() && self.low.is_finite()) {
+            *self = Sum::ZERO;
+        }
+        Ok(())
     }
 
     /// The sum, rounded.

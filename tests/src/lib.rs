@@ -12,3 +12,4 @@ pub mod text;
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
+pub mod runs;

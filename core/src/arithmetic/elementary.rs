@@ -28,6 +28,7 @@ const EXP_STEPS: usize = 32;
 /// `log2(1 + 2^-i)` for i = 1, 2, ...
 ///
 /// Squaring doubles a logarithm: whenever the square passes 2, the next bit is a one.
+#[allow(clippy::indexing_slicing, reason = "evaluated by the compiler")]
 const LOGS: [u64; LOG_STEPS] = {
     let mut logs = [0; LOG_STEPS];
     let mut i = 0;

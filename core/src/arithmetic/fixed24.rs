@@ -102,6 +102,16 @@ impl Real for Fixed24 {
         self.to_bits() as f32 / ONE as f32
     }
 
+    #[inline]
+    fn bits(self) -> u32 {
+        self.to_bits() as u32
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> Self {
+        Fixed24::from_bits(bits as i32)
+    }
+
     /// Cost: one division of 64 by 32 bits.
     #[inline]
     fn ratio(self, divisor: Self) -> Self {

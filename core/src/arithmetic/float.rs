@@ -26,6 +26,17 @@ impl Real for f32 {
         self
     }
 
+    #[inline]
+    fn bits(self) -> u32 {
+        self.to_bits()
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> f32 {
+        let value = f32::from_bits(bits);
+        if value.is_finite() { value } else { 0.0 }
+    }
+
     #[inline(always)]
     fn ratio(self, divisor: f32) -> f32 {
         if divisor > 0.0 { self / divisor } else { 0.0 }
@@ -56,13 +67,12 @@ impl Cell for f32 {
 
     #[inline]
     fn bits(self) -> u32 {
-        self.to_bits()
+        Real::bits(self)
     }
 
     #[inline]
     fn from_bits(bits: u32) -> f32 {
-        let value = f32::from_bits(bits);
-        if value.is_finite() { value } else { 0.0 }
+        Real::from_bits(bits)
     }
 }
 

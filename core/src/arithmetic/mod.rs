@@ -51,6 +51,12 @@ pub trait Real:
     /// The nearest `f32`.
     fn to_f32(self) -> f32;
 
+    /// The bit pattern, for snapshots.
+    fn bits(self) -> u32;
+
+    /// The number with this bit pattern, or the nearest harmless one (never a NaN).
+    fn from_bits(bits: u32) -> Self;
+
     /// `self / divisor`, saturated to the range; 0 where the divisor is not above 0.
     fn ratio(self, divisor: Self) -> Self;
 

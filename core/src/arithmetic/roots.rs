@@ -7,6 +7,7 @@
 
 /// Roots of the middles of 256 intervals of width 2^24, in units of 2^8 below 2^16; the first 64
 /// entries are never looked up.
+#[allow(clippy::indexing_slicing, reason = "evaluated by the compiler")]
 const GUESS: [u8; 256] = {
     let mut table = [0; 256];
     let mut i = 64;
@@ -24,6 +25,7 @@ const GUESS: [u8; 256] = {
 
 /// The square root, rounded down.
 #[inline]
+#[allow(clippy::indexing_slicing, reason = "a byte is below the length of the table")]
 pub fn floor32(n: u32) -> u32 {
     if n == 0 {
         return 0;

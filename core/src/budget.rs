@@ -1,0 +1,46 @@
+//! How long a run can take at most, known before it starts.
+//!
+//! Time is counted in row operations: one row of one pass. Each costs O(W): a row of a sweep, a
+//! row of statistics, or W entries of the label table. In the label passes a look-up follows at
+//! most W links, because only labels joined in the last two rows can lie between a label of the
+//! row before and the first label of its component.
+
+use crate::config::{Config, Filter, Normalize, Rescale, Scheme, Start, Tau};
+use crate::select;
+use crate::stage::Stage;
+
+/// The most passes over the rows that a stage can take, whatever the image.
+pub fn passes(config: &Config, stage: Stage) -> u32 {
+    match stage {
+        Stage::LowPercentile | Stage::HighPercentile => match config.normalize {
+            Normalize::Percentile { .. } => select::PASSES,
+            Normalize::MinMax => 0,
+        },
+        Stage::Median => select::PASSES,
+        Stage::Otsu => u32::from(matches!(config.rescale, Rescale::R3 { tau: Tau::Otsu, .. })),
+        Stage::Rescale => u32::from(config.rescale != Rescale::None),
+        Stage::Filter if config.filter == Filter::None => 0,
+        Stage::Filter => u32::from(config.filter_steps),
+        Stage::StartLevel | Stage::StartMark | Stage::StartUp | Stage::StartDown => {
+            u32::from(matches!(config.start, Start::Threshold { .. }))
+        }
+        Stage::Evolve if config.scheme == Scheme::FastMarching => 0,
+        Stage::Evolve => config.max_steps(),
+        Stage::Seed | Stage::Sow | Stage::Arrive => u32::from(config.scheme == Scheme::FastMarching),
+        // Only the number of its buckets is known beforehand.
+        Stage::March if config.scheme == Scheme::FastMarching => u32::MAX,
+        Stage::March => 0,
+        Stage::Done => 0,
+        _ => 1,
+    }
+}
+
+/// The most row operations that a stage can take in a frame of `height` rows.
+pub fn rows(config: &Config, height: usize, stage: Stage) -> u64 {
+    u64::from(passes(config, stage)).saturating_mul(height as u64)
+}
+
+/// The most row operations of a whole run.
+pub fn total_rows(config: &Config, height: usize) -> u64 {
+    Stage::ALL.iter().fold(0, |sum, &stage| sum.saturating_add(rows(config, height, stage)))
+}

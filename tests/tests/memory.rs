@@ -1,0 +1,130 @@
+//! A run takes the memory that was stated, and nothing beyond.
+
+use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
+use skyfront_core::catalog::{Source, room_for};
+use skyfront_core::config::{Config, Scheme};
+use skyfront_core::error::Error;
+use skyfront_core::frame::SliceFrame;
+use skyfront_core::memory::{self, Memory, SEGMENTER_BYTES, catalogue_room};
+use skyfront_core::outcome::Progress;
+use skyfront_core::segmenter::Segmenter;
+use skyfront_core::simulate::Kind;
+use skyfront_tests::runs::{Room, every_kind, sky};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell as Counter;
+
+/// The system's memory, with a count of what this thread takes.
+struct Counted;
+
+thread_local! {
+    static TAKEN: Counter<usize> = const { Counter::new(0) };
+}
+
+// SAFETY: every call is passed on to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counted {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        TAKEN.with(|taken| taken.set(taken.get() + layout.size()));
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer came from `System.alloc` with this layout.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTED: Counted = Counted;
+
+#[test]
+fn the_papers_frame_in_sixteen_bits_runs_in_384_kib() {
+    const SIDE: usize = 300;
+    let config = Config { band: Some(8.0), ..Config::PAPER_F160 };
+    let pixels = sky(Kind::Bright, 160, SIDE, SIDE);
+    let sources = catalogue_room(SIDE, 2, false);
+    let stated = memory::bytes(SIDE, SIDE, 2, false, sources);
+
+    let before = TAKEN.with(Counter::get);
+    let mut room = Room::<Q11>::new(&config, SIDE, SIDE, sources, 0xA5A5);
+    assert_eq!(TAKEN.with(Counter::get) - before, stated, "what was allocated is what was stated");
+    let mut segmenter = Segmenter::<Q11>::new(&config, SIDE, SIDE, room.memory()).expect("it is enough");
+    let outcome = loop {
+        if let Progress::Done(outcome) = segmenter.poll(SIDE, &mut SliceFrame(&pixels)).expect("a sky") {
+            break outcome;
+        }
+    };
+    assert_eq!(TAKEN.with(Counter::get) - before, stated, "a run allocates nothing");
+
+    let all = stated + size_of_val(&segmenter);
+    println!("{stated} bytes of memory for {sources} sources and {} bytes of state", size_of_val(&segmenter));
+    // 379 200 bytes, well below the 393 216 of 384 KiB.
+    assert!(all <= 4 * SIDE * SIDE + 64 * SIDE, "{all} bytes");
+    assert!(outcome.sources > 0 && outcome.catalogued == outcome.sources, "{outcome:?}");
+}
+
+fn assert_bounds<A: Arithmetic>() {
+    for width in [256, 300, 1000, 4096] {
+        for sl_curvature in [false, true] {
+            let cell = A::Cell::BYTES;
+            let sources = catalogue_room(width, cell, sl_curvature);
+            let all = memory::bytes(width, 300, cell, sl_curvature, sources) + SEGMENTER_BYTES;
+            assert!(all <= 2 * cell * width * 300 + 64 * width, "{}: {width} columns", A::NAME);
+        }
+    }
+    assert!(size_of::<Segmenter<'_, A>>() <= SEGMENTER_BYTES, "{}: {}", A::NAME, size_of::<Segmenter<'_, A>>());
+}
+
+#[test]
+fn two_cells_a_pixel_and_64_bytes_a_column_hold_everything() {
+    assert_bounds::<F32>();
+    assert_bounds::<Q24>();
+    assert_bounds::<Q11>();
+}
+
+#[test]
+fn one_element_less_is_refused_by_name() {
+    for config in every_kind() {
+        let mut room = Room::<Q24>::new(&config, 20, 10, 4, 0);
+        let Memory { image, front, ring, tiles, samples, sources } = room.memory();
+        let refused = |result: Result<Segmenter<'_, Q24>, Error>| match result {
+            Err(Error::Length { name, given, needed }) => {
+                assert_eq!(given + 1, needed);
+                name
+            }
+            other => panic!("{other:?}"),
+        };
+        let (image_less, _) = image.split_at_mut(199);
+        let memory = Memory { image: image_less, front, ring, tiles, samples, sources };
+        assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the image plane");
+        let (front_less, _) = front.split_at_mut(199);
+        let memory = Memory { image, front: front_less, ring, tiles, samples, sources };
+        assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the front plane");
+        let less = ring.len() - 1;
+        let (ring_less, _) = ring.split_at_mut(less);
+        let memory = Memory { image, front, ring: ring_less, tiles, samples, sources };
+        assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the ring of old rows");
+        let (samples_less, _) = samples.split_at_mut(19);
+        let memory = Memory { image, front, ring, tiles, samples: samples_less, sources };
+        assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the sample row");
+    }
+}
+
+#[test]
+fn a_catalogue_may_be_a_heapless_vector() {
+    const SIDE: usize = 64;
+    let config = Config { t_max: 3.0, ..Config::PAPER_F160 }.with_scheme(Scheme::Sl);
+    let pixels = sky(Kind::Stars, 1, SIDE, SIDE);
+    let mut room = Room::<F32>::new(&config, SIDE, SIDE, 0, 0);
+    let mut catalogue: heapless::Vec<Source, 8> = room_for();
+    let memory = Memory { sources: &mut catalogue, ..room.memory() };
+    let mut segmenter = Segmenter::<F32>::new(&config, SIDE, SIDE, memory).expect("enough memory");
+    let outcome = loop {
+        if let Progress::Done(outcome) = segmenter.poll(SIDE, &mut SliceFrame(&pixels)).expect("a sky") {
+            break outcome;
+        }
+    };
+    catalogue.truncate(outcome.catalogued as usize);
+    assert_eq!(catalogue.len(), (outcome.sources as usize).min(8));
+    assert!(!catalogue.is_empty() && catalogue.iter().zip(1..).all(|(source, label)| source.label == label));
+}

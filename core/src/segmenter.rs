@@ -10,6 +10,7 @@ use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
 use crate::front::{Front, LEAST_SIDE};
 use crate::label::{Damaged, Table};
+use crate::march::March;
 use crate::memory::{Memory, flags_len};
 use crate::normalize::{self, Range};
 use crate::outcome::{Outcome, Progress, StopReason};

@@ -32,7 +32,8 @@ pub fn write(
     request: &Request,
 ) -> Result<(serde_json::Value, Vec<String>), WriteError> {
     let mut header = wcs::entries(&image.header);
-    let provenance = provenance::entries(config, input, image.checksum);
+    let mut provenance = provenance::entries(config, input, image.checksum);
+    provenance.push(Entry::new("SFARITH", run.arithmetic, "arithmetic"));
     header.extend(provenance.iter().cloned());
     let (width, height) = (run.width, run.height);
     write_plane(

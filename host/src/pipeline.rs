@@ -33,6 +33,8 @@ pub struct StagePlanes {
 /// A segmented image.
 #[derive(Clone, Debug)]
 pub struct Segmentation {
+    /// Name of the arithmetic it was made in.
+    pub arithmetic: &'static str,
     /// Columns.
     pub width: usize,
     /// Rows.
@@ -177,6 +179,7 @@ pub fn segment_in<A: Arithmetic>(
     drop(image);
     let labels = front.into_iter().map(|cell| cell.label()).collect();
     Ok(Segmentation {
+        arithmetic: A::NAME,
         width,
         height,
         labels,

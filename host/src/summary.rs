@@ -41,6 +41,7 @@ pub fn summary(config: &Config, input: &str, image: &Image, run: &Segmentation) 
         "undefined_pixels": run.width * run.height - outcome.extremes.defined as usize,
         "min": outcome.extremes.least,
         "max": outcome.extremes.greatest,
+        "arithmetic": run.arithmetic,
         "parameters": settings,
         "tau": outcome.tau,
         "stop": match outcome.reason {

@@ -2,6 +2,7 @@
 
 use super::job::{Manner, plan};
 use super::messages::Volume;
+use super::options::ArithmeticOption;
 use super::segment::segment_image;
 use crate::catalogue::Request;
 use crate::read::{Header, Image};
@@ -40,7 +41,13 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let manner = Manner { pictures: true, overwrite: arguments.overwrite, threads: 1, request: Request::default() };
+    let manner = Manner {
+        arithmetic: ArithmeticOption::F32,
+        pictures: true,
+        overwrite: arguments.overwrite,
+        threads: 1,
+        request: Request::default(),
+    };
     let volume = if arguments.quiet { Volume::Quiet } else { Volume::Normal };
     let mut products = plan(&arguments.out, &manner, &[NAME])?;
     let (image, sky) = simulated(Kind::Bright, SEED, SIDE, SIDE);

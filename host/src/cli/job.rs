@@ -1,8 +1,9 @@
 //! One image, from pixels to published products.
 
+use super::options::ArithmeticOption;
 use crate::catalogue::Request;
 use crate::outputs;
-use crate::pipeline::{Drive, segment};
+use crate::pipeline::Drive;
 use crate::read::Image;
 use crate::write::Products;
 use anyhow::{Context, Result};
@@ -13,9 +14,11 @@ use skyfront_core::stage::Stage;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// How results are written.
+/// In which numbers a run is made, and how its results are written.
 #[derive(Clone, Debug)]
 pub struct Manner {
+    /// Numbers to compute in.
+    pub arithmetic: ArithmeticOption,
     /// Pictures too.
     pub pictures: bool,
     /// Files that exist are replaced.
@@ -67,7 +70,7 @@ pub fn process(
     if !manner.pictures && !manner.request.regions && !manner.request.polygons {
         drive.take_front = Some(&mut take);
     }
-    let run = segment(config, &image.pixels, image.width, image.height, &mut drive).with_context(|| name.to_owned())?;
+    let run = manner.arithmetic.segment(config, image, &mut drive).with_context(|| name.to_owned())?;
     written?;
     let (summary, warnings) = outputs::write(&mut products, config, name, image, &run, &manner.request)?;
     let files = products.publish()?;

@@ -3,6 +3,7 @@
 //! Results go to files, messages to stderr.
 
 mod batch;
+mod budget;
 mod columns;
 mod crosscheck;
 mod demo;
@@ -48,6 +49,8 @@ enum Command {
     Crosscheck(Box<crosscheck::Arguments>),
     /// Make a simulated sky and segment it. Without any command this goes into skyfront-out/.
     Demo(demo::Arguments),
+    /// Tell the most memory and row operations that a run can need, before it starts.
+    Budget(Box<budget::Arguments>),
     /// List the presets with their settings.
     Presets,
     /// List the columns of the catalogue and the bits of its flags.
@@ -77,6 +80,7 @@ fn obey(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Some(Command::Segment(arguments)) => return segment::run(&arguments),
         Some(Command::Crosscheck(arguments)) => crosscheck::run(&arguments)?,
+        Some(Command::Budget(arguments)) => budget::run(&arguments)?,
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
         Some(Command::Presets) => presets::run(),
         Some(Command::Columns) => columns::run(),

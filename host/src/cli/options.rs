@@ -1,9 +1,13 @@
 //! The options of a run, each with the paper's value as its default, and what they amount to.
 
+use crate::pipeline::{Drive, Segmentation, segment, segment_in};
+use crate::read::Image;
 use clap::{Args, ValueEnum};
+use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::config::{
     Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau,
 };
+use skyfront_core::error::Error;
 use std::path::PathBuf;
 
 /// What a run does; unset options take the preset's value.
@@ -68,6 +72,9 @@ pub struct Options {
     /// Constant of g2mod, in [0, 1) [default: 0.8].
     #[arg(long, help_heading = "Front")]
     pub c2: Option<f64>,
+    /// Numbers to compute in; q11 implies a band of 8 pixels.
+    #[arg(long, value_enum, default_value_t, help_heading = "Front")]
+    pub arithmetic: ArithmeticOption,
     /// Scheme that moves the front.
     #[arg(long, value_enum, help_heading = "Front")]
     pub scheme: Option<SchemeOption>,
@@ -135,6 +142,45 @@ impl Preset {
         match self {
             Preset::PaperF160 => Config::PAPER_F160,
             Preset::PaperReal => Config::PAPER_REAL,
+        }
+    }
+}
+
+/// `--arithmetic`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ArithmeticOption {
+    /// IEEE 754 single precision, 8 bytes a pixel.
+    #[default]
+    F32,
+    /// Fixed point, 24 fraction bits, 8 bytes a pixel.
+    Q24,
+    /// Fixed point in 16 bits, 4 bytes a pixel.
+    Q11,
+}
+
+impl ArithmeticOption {
+    /// Checks a configuration for this arithmetic.
+    ///
+    /// # Errors
+    /// As [`Config::validate`].
+    pub fn validate(self, config: &Config) -> Result<(), Error> {
+        match self {
+            ArithmeticOption::F32 => config.validate::<F32>(),
+            ArithmeticOption::Q24 => config.validate::<Q24>(),
+            ArithmeticOption::Q11 => config.validate::<Q11>(),
+        }
+    }
+
+    /// Segments in this arithmetic.
+    ///
+    /// # Errors
+    /// As [`segment_in`].
+    pub fn segment(self, config: &Config, image: &Image, drive: &mut Drive<'_>) -> Result<Segmentation, Error> {
+        let (pixels, width, height) = (&image.pixels, image.width, image.height);
+        match self {
+            ArithmeticOption::F32 => segment(config, pixels, width, height, drive),
+            ArithmeticOption::Q24 => segment_in::<Q24>(config, pixels, width, height, drive),
+            ArithmeticOption::Q11 => segment_in::<Q11>(config, pixels, width, height, drive),
         }
     }
 }
@@ -317,6 +363,7 @@ impl Options {
                 (None, start) => start,
             },
             band: match self.band {
+                None if self.arithmetic == ArithmeticOption::Q11 => preset.band.or(Q11::NEEDS_BAND),
                 None => preset.band,
                 Some(BandOption::None) => None,
                 Some(BandOption::Pixels(band)) => Some(band as f32),

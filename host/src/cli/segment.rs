@@ -3,12 +3,10 @@
 use super::job::{Done, Manner, plan, process};
 use super::messages::{Volume, progress_bar, report, show};
 use super::{Measuring, Options, batch};
-use crate::machine::Native;
 use crate::read::{self, HduChoice, Image};
 use crate::write::Products;
 use anyhow::Result;
 use clap::Args;
-use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -67,7 +65,8 @@ impl Arguments {
     pub fn manner(&self) -> Manner {
         let threads = self.threads.map_or_else(all_processors, usize::from);
         let request = self.measuring.request();
-        Manner { pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
+        let arithmetic = self.options.arithmetic;
+        Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
     }
 
     /// Reads an image as it is wanted.
@@ -78,7 +77,7 @@ impl Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let config = arguments.options.config();
-    config.validate::<F32<Native>>()?;
+    arguments.options.arithmetic.validate(&config)?;
     match arguments.images.as_slice() {
         [path] => {
             let image = arguments.read(path)?;

@@ -1,0 +1,74 @@
+//! `skyfront budget`: what a run will need at most, before there is an image.
+
+use super::options::{ArithmeticOption, Options};
+use anyhow::Result;
+use clap::Args;
+use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
+use skyfront_core::budget;
+use skyfront_core::catalog::Source;
+use skyfront_core::config::{Config, Scheme};
+use skyfront_core::memory::{self, SEGMENTER_BYTES};
+use skyfront_core::stage::Stage;
+use std::fmt::Write;
+
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Columns of the frame.
+    #[arg(long)]
+    width: usize,
+    /// Rows of the frame.
+    #[arg(long)]
+    height: usize,
+    /// Sources in the catalogue [default: as many as stay within 64 bytes a column].
+    #[arg(long)]
+    sources: Option<usize>,
+    #[command(flatten)]
+    options: Options,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let config = arguments.options.config();
+    let size = (arguments.width, arguments.height);
+    let text = match arguments.options.arithmetic {
+        ArithmeticOption::F32 => budget_of::<F32>(&config, size, arguments.sources),
+        ArithmeticOption::Q24 => budget_of::<Q24>(&config, size, arguments.sources),
+        ArithmeticOption::Q11 => budget_of::<Q11>(&config, size, arguments.sources),
+    }?;
+    print!("{text}");
+    Ok(())
+}
+
+/// The budget as text.
+fn budget_of<A: Arithmetic>(
+    config: &Config,
+    (width, height): (usize, usize),
+    sources: Option<usize>,
+) -> Result<String> {
+    config.validate::<A>()?;
+    let sl_curvature = config.scheme == Scheme::SlCurvature;
+    let cell = A::Cell::BYTES;
+    let sources = sources.unwrap_or_else(|| memory::catalogue_room(width, cell, sl_curvature));
+    let total = memory::bytes(width, height, cell, sl_curvature, sources);
+    let mut text = String::new();
+    writeln!(text, "{width} x {height} pixels in {}", A::NAME)?;
+    let catalogue = sources * size_of::<Source>();
+    let planes = 2 * cell * width * height;
+    for (bytes, what) in [
+        (planes, "two planes".to_owned()),
+        (total - planes - catalogue, "rows".to_owned()),
+        (catalogue, format!("catalogue of {sources} sources")),
+        (SEGMENTER_BYTES, "state, at most".to_owned()),
+        (total + SEGMENTER_BYTES, "all memory".to_owned()),
+    ] {
+        writeln!(text, "{bytes:>14} bytes  {what}")?;
+    }
+    for stage in Stage::ALL {
+        let (passes, rows) = (budget::passes(config, stage), budget::rows(config, height, stage));
+        if rows > 0 {
+            let name = format!("{stage:?}").to_lowercase();
+            writeln!(text, "{rows:>14} rows   {name}, at most {passes} passes")?;
+        }
+    }
+    writeln!(text, "{:>14} rows   the whole run, at most", budget::total_rows(config, height))?;
+    Ok(text)
+}

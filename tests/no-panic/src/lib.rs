@@ -1,0 +1,137 @@
+//! Every public entry of the core, in every arithmetic, as exported functions of unknown arguments.
+//!
+//! The panic handler calls a function that does not exist. The optimiser drops the handler, and
+//! with it the call, when it has proved that no panic can be reached; otherwise linking fails and
+//! the linker names the functions that could panic.
+#![no_std]
+
+use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24, Real};
+use skyfront_core::budget;
+use skyfront_core::catalog::{Ellipse, Source, room_for};
+use skyfront_core::config::Config;
+use skyfront_core::digest;
+use skyfront_core::error::Error;
+use skyfront_core::frame::{Frame, SliceFrame};
+use skyfront_core::memory::{self, Memory};
+use skyfront_core::outcome::{Outcome, Progress};
+use skyfront_core::segmenter::Segmenter;
+use skyfront_core::simulate::{Kind, Sky};
+use skyfront_core::snapshot::{self, SnapshotError};
+use skyfront_core::stage::Stage;
+
+unsafe extern "C" {
+    safe fn the_core_can_panic() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    the_core_can_panic()
+}
+
+/// What unwinding would ask for; the library of the compiler mentions it.
+#[unsafe(no_mangle)]
+extern "C" fn rust_eh_personality() {}
+
+/// A medium, as a frame source, a sink and a source of snapshots.
+pub trait Medium: Frame<Error = u8> {
+    /// Takes a chunk.
+    fn write(&mut self, chunk: &[u8]) -> Result<(), u8>;
+    /// Fills a chunk.
+    fn read(&mut self, chunk: &mut [u8]) -> Result<(), u8>;
+}
+
+/// A frame source behind a pointer.
+struct Through<'a>(&'a mut dyn Medium);
+
+impl Frame for Through<'_> {
+    type Error = u8;
+
+    fn row(&mut self, y: usize, out: &mut [f32]) -> Result<(), u8> {
+        self.0.row(y, out)
+    }
+}
+
+/// The functions of one arithmetic.
+macro_rules! arithmetic {
+    ($name:ident, $arithmetic:ty, $new:literal, $poll:literal, $save:literal, $restore:literal, $look:literal, $one:literal) => {
+        mod $name {
+            use super::*;
+
+            type A = $arithmetic;
+
+            #[unsafe(export_name = $new)]
+            fn new<'m>(config: &Config, width: usize, height: usize, memory: Memory<'m, A>) -> Result<Segmenter<'m, A>, Error> {
+                Segmenter::new(config, width, height, memory)
+            }
+
+            #[unsafe(export_name = $poll)]
+            fn poll(segmenter: &mut Segmenter<'_, A>, rows: usize, medium: &mut dyn Medium) -> Result<Progress, Error<u8>> {
+                segmenter.poll(rows, &mut Through(medium))
+            }
+
+            #[unsafe(export_name = $save)]
+            fn save(segmenter: &mut Segmenter<'_, A>, medium: &mut dyn Medium) -> Result<(), u8> {
+                segmenter.save(|chunk| medium.write(chunk))
+            }
+
+            #[unsafe(export_name = $restore)]
+            fn restore(segmenter: &mut Segmenter<'_, A>, medium: &mut dyn Medium) -> Result<(), SnapshotError<u8>> {
+                segmenter.restore(|chunk| medium.read(chunk))
+            }
+
+            #[unsafe(export_name = $look)]
+            fn look(segmenter: &Segmenter<'_, A>, memory: &Memory<'_, A>) -> (u32, usize, Stage, (u64, u64), f32, usize) {
+                let digest = digest::of_cells(segmenter.image()) ^ digest::of_cells(segmenter.front());
+                let first = segmenter.image().first().map_or(0.0, |&cell| <A as Arithmetic>::pixel(cell).to_f32());
+                let labels = segmenter.front().iter().map(|cell| cell.label() as usize).fold(0, usize::max);
+                let sources = segmenter.catalog().len();
+                (digest, sources.max(labels), segmenter.stage(), segmenter.work(), segmenter.unit() + first, memory.bytes())
+            }
+
+            #[unsafe(export_name = $one)]
+            fn one_poll(config: &Config, size: (usize, usize), memory: Memory<'_, A>, pixels: &[f32]) -> Option<Outcome> {
+                let mut segmenter = Segmenter::<A>::new(config, size.0, size.1, memory).ok()?;
+                match segmenter.poll(usize::MAX, &mut SliceFrame(pixels)) {
+                    Ok(Progress::Done(outcome)) => Some(outcome),
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+arithmetic!(f32_plain, F32, "f32_new", "f32_poll", "f32_save", "f32_restore", "f32_look", "f32_one");
+arithmetic!(q24, Q24, "q24_new", "q24_poll", "q24_save", "q24_restore", "q24_look", "q24_one");
+arithmetic!(q11, Q11, "q11_new", "q11_poll", "q11_save", "q11_restore", "q11_look", "q11_one");
+
+#[unsafe(export_name = "plan")]
+fn plan(config: &Config, width: usize, height: usize, cell: usize, wide: bool, sources: usize) -> (u64, usize, usize, usize) {
+    let window = memory::window(wide);
+    let bytes = memory::bytes(width, height, cell, wide, sources);
+    let room = memory::catalogue_room(width, cell, wide);
+    (budget::total_rows(config, height), bytes, room, snapshot::bytes(width, height, cell, window, sources))
+}
+
+#[unsafe(export_name = "validate")]
+fn validate(config: &Config) -> Result<(), Error> {
+    config.validate::<F32>()?;
+    config.validate::<Q24>()?;
+    config.validate::<Q11>()
+}
+
+#[unsafe(export_name = "measure")]
+fn measure(source: &Source) -> (f32, f32, (f32, f32), (f32, f32, f32), Ellipse) {
+    (source.sum(), source.mean(), source.centroid(), source.second_moments(), source.ellipse())
+}
+
+#[unsafe(export_name = "room")]
+fn room() -> usize {
+    room_for::<16>().len()
+}
+
+#[unsafe(export_name = "simulate")]
+fn simulate(kind: Kind, seed: u32, width: usize, height: usize, y: usize, row: &mut [f32]) -> u32 {
+    let mut sky = Sky::new(kind, seed, width, height);
+    let Ok(()) = sky.row(y, row);
+    sky.objects()
+}

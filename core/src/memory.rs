@@ -43,12 +43,13 @@ pub const fn bytes(width: usize, height: usize, cell_bytes: usize, sl_curvature:
 }
 
 /// More than a [`crate::segmenter::Segmenter`] itself takes, whatever its arithmetic and scheme.
-pub const SEGMENTER_BYTES: usize = 3072;
+pub const SEGMENTER_BYTES: usize = 3328;
 
 /// The greatest catalogue with which a run, the segmenter and the catalogue included, stays within
-/// two cells a pixel and 64 bytes a column; for frames of 256 columns and more.
-pub const fn catalogue_room(width: usize, cell_bytes: usize, sl_curvature: bool) -> usize {
-    let rest = bytes(width, 0, cell_bytes, sl_curvature, 0) + SEGMENTER_BYTES;
+/// two cells a pixel and 64 bytes a column; for frames of 300 columns and more, and not much taller.
+pub const fn catalogue_room(width: usize, height: usize, cell_bytes: usize, sl_curvature: bool) -> usize {
+    let planes = cell_bytes * 2 * width * height;
+    let rest = bytes(width, height, cell_bytes, sl_curvature, 0) - planes + SEGMENTER_BYTES;
     (64 * width).saturating_sub(rest) / size_of::<Source>()
 }
 

@@ -47,7 +47,7 @@ fn budget_of<A: Arithmetic>(
     config.validate::<A>()?;
     let sl_curvature = config.scheme == Scheme::SlCurvature;
     let cell = A::Cell::BYTES;
-    let sources = sources.unwrap_or_else(|| memory::catalogue_room(width, cell, sl_curvature));
+    let sources = sources.unwrap_or_else(|| memory::catalogue_room(width, height, cell, sl_curvature));
     let total = memory::bytes(width, height, cell, sl_curvature, sources);
     let mut text = String::new();
     writeln!(text, "{width} x {height} pixels in {}", A::NAME)?;

@@ -108,7 +108,7 @@ arithmetic!(q11, Q11, "q11_new", "q11_poll", "q11_save", "q11_restore", "q11_loo
 fn plan(config: &Config, width: usize, height: usize, cell: usize, wide: bool, sources: usize) -> (u64, usize, usize, usize) {
     let window = memory::window(wide);
     let bytes = memory::bytes(width, height, cell, wide, sources);
-    let room = memory::catalogue_room(width, cell, wide);
+    let room = memory::catalogue_room(width, height, cell, wide);
     (budget::total_rows(config, height), bytes, room, snapshot::bytes(width, height, cell, window, sources))
 }
 

@@ -16,6 +16,7 @@ pub mod provenance;
 pub mod read;
 pub mod reference;
 pub mod report;
+pub mod reproduce;
 pub mod sky;
 pub mod summary;
 pub mod vectors;

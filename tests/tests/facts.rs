@@ -44,7 +44,8 @@ fn a_circle_moves_by_t() {
 }
 
 /// A disc that grows with speed 1 - nu k has dr/dt = 1 - nu/r. With nu = 0.5 and r = 1 at the start curvature halves
-/// the speed: without it the radius would be 2 at t = 1. The error is that of the circle above.
+/// the speed: without it the radius would be 2 at t = 1. The error is that of the circle above. The explicit step of
+/// the finite differences serves both terms: dt/dx + 2 nu dt/dx^2 is kept below 1.
 #[test]
 fn curvature_slows_a_growing_disc() {
     let nu = 0.5;
@@ -53,7 +54,7 @@ fn curvature_slows_a_growing_disc() {
         expected += 1e-5 * (1.0 - nu / expected);
     }
     assert!(expected < 1.7, "the fact itself: {expected}");
-    for (scheme, dt) in [(Scheme::FdCurvature, 0.01), (Scheme::SlCurvature, 0.02)] {
+    for (scheme, dt) in [(Scheme::FdCurvature, 0.004), (Scheme::SlCurvature, 0.02)] {
         let config = Config { scheme, nu: nu as f32, dt, ..PAPER };
         let mut disc = Front::new(config, 81, 81, |x, y| x.hypot(y) - 1.0);
         disc.until(1.0);

@@ -46,7 +46,7 @@ impl<A: Arithmetic> FdCurvature<A> {
             Some((nx, ny)) => {
                 let [bl, br, al, ar] = n.corners;
                 let (xx, yy) = ((n.l - v) + (n.r - v), (n.b - v) + (n.a - v));
-                let xy = ((ar - br) - (al - bl)) * A::Real::of(0.25);
+                let xy = ((ar + bl) - (al + br)) * A::Real::of(0.25);
                 let mixed = (nx * ny) * xy;
                 self.bend * ((xx * (ny * ny) + yy * (nx * nx)) - (mixed + mixed))
             }

@@ -14,6 +14,7 @@ mod measuring;
 mod messages;
 mod options;
 mod presets;
+mod reproduce;
 mod segment;
 mod settings;
 mod table;
@@ -47,6 +48,8 @@ enum Command {
     Segment(Box<segment::Arguments>),
     /// Compare the core with an independent f64 implementation of the paper, stage by stage.
     Crosscheck(Box<crosscheck::Arguments>),
+    /// Run every caption of the paper's Tests 1 and 2 and print its times beside ours.
+    Reproduce(reproduce::Arguments),
     /// Make a simulated sky and segment it. Without any command this goes into skyfront-out/.
     Demo(demo::Arguments),
     /// Tell the most memory and row operations that a run can need, before it starts.
@@ -81,6 +84,7 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Segment(arguments)) => return segment::run(&arguments),
         Some(Command::Crosscheck(arguments)) => crosscheck::run(&arguments)?,
         Some(Command::Budget(arguments)) => budget::run(&arguments)?,
+        Some(Command::Reproduce(arguments)) => reproduce::run(&arguments)?,
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
         Some(Command::Presets) => presets::run(),
         Some(Command::Columns) => columns::run(),

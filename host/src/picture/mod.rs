@@ -4,12 +4,14 @@
 //! colour-blind people too (Okabe and Ito, https://jfly.uni-koeln.de/color/).
 
 mod canvas;
+mod contact;
 mod outline;
 mod overlay;
 mod stages;
 mod stretch;
 
 pub use canvas::Canvas;
+pub use contact::contact_sheet;
 pub use overlay::overlay;
 pub use stages::{STAGES, stage, stages};
 pub use stretch::Stretch;

@@ -72,7 +72,7 @@ fn draw(canvas: &mut Canvas, panel: &Panel, run: &Segmentation, planes: &StagePl
 }
 
 /// Blue where the front has passed (u < 0), white where objects are (u > 0), darker near zero.
-fn level_colour(u: f32, most: f32) -> Colour {
+pub(super) fn level_colour(u: f32, most: f32) -> Colour {
     let strength = 60.0 + 160.0 * (u.abs() / most.max(f32::MIN_POSITIVE));
     if u > 0.0 { [strength as u8; 3] } else { [0, (strength * 0.45) as u8, strength as u8] }
 }

@@ -37,9 +37,12 @@ impl<A: Arithmetic> Side<A> {
 }
 
 impl<A: Arithmetic> Settle<A> {
-    /// The rule for a front that rises to `band` pixels.
+    /// The rule for a front that rises to `band` pixels. None for arithmetics whose cells are
+    /// narrow themselves: they saturate at the band and end tails by their own step, and settling
+    /// below zero would only make the stopping rule fire early.
     pub fn new(band: Option<f32>) -> Self {
-        let sides = band.map(|band| (Side::new(band), Side::new(FLOOR)));
+        let band_to_settle = band.filter(|_| A::NEEDS_BAND.is_none());
+        let sides = band_to_settle.map(|band| (Side::new(band), Side::new(FLOOR)));
         Settle { sides, anchor: A::anchor(band.unwrap_or(1.0)) }
     }
 

@@ -51,7 +51,7 @@ where
     // At least two rows of tiles each: a neighbour's border must not reach through a band.
     let bands = threads.clamp(1, (rows / (2 * tile_rows)).max(1));
     let band_rows = rows.div_ceil(tile_rows).div_ceil(bands) * tile_rows;
-    let fronts: Vec<_> = front.chunks_mut(band_rows * width).collect();
+    let fronts = bands_of(front, band_rows * width, tile_rows * width);
     let none = Step { settle, change: Change::none(&rule) };
     let nothing = Shown { first: Border::default(), last: Border::default(), change: none.change };
     let set = || fronts.iter().map(|_| Mutex::new(nothing.clone())).collect::<Vec<_>>();
@@ -100,6 +100,20 @@ where
         }
         first.map_or((0, none.change), |(index, front)| work(index, front, watch))
     })
+}
+
+/// The front in bands of `size` cells; what is left at the end joins the last band where it is
+/// shorter than `least`, so that every band has the rows that its neighbours look at.
+fn bands_of<C>(front: &mut [C], size: usize, least: usize) -> Vec<&mut [C]> {
+    let mut bands = Vec::new();
+    let mut rest = front;
+    while rest.len() >= size + least {
+        let (band, after) = rest.split_at_mut(size);
+        bands.push(band);
+        rest = after;
+    }
+    bands.push(rest);
+    bands
 }
 
 /// Shows the first and last `radius` rows of a band, the flags of its outer tiles, and a change.

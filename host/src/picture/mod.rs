@@ -1,7 +1,7 @@
 //! Pictures for people: the stages of a run side by side, and the outlines over the image.
 //!
 //! Row 0 of an image is its bottom row, as astronomers draw it. Colours are told apart by
-//! colour-blind people too (Okabe and Ito, https://jfly.uni-koeln.de/color/).
+//! colour-blind people too (Okabe and Ito, <https://jfly.uni-koeln.de/color/>).
 
 mod canvas;
 mod contact;

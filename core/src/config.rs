@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::error::Error;
+use crate::significance::Detection;
 
 /// Step 1: how pixel values become numbers in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,6 +207,9 @@ pub struct Config {
     pub connectivity: Connectivity,
     /// Smaller components are dropped; pixels, at least 1.
     pub min_area: u32,
+    /// The noise-aware segmentation of [`crate::significance::detect`] in place of steps 1 to 6,
+    /// or `None` for those steps, which are all that [`crate::segmenter::Segmenter`] does.
+    pub detection: Option<Detection>,
 }
 
 /// The largest number of steps a front may take.
@@ -239,7 +243,12 @@ impl Config {
         band: None,
         connectivity: Connectivity::Eight,
         min_area: 1,
+        detection: None,
     };
+
+    /// The default: sources by their significance, one setting for every kind of sky.
+    pub const NOISE_AWARE: Config =
+        Config { detection: Some(Detection::DEFAULT), min_area: Detection::DEFAULT.min_area, ..Config::PAPER_F160 };
 
     /// Test 2 of the paper at its best: filter first (Perona-Malik, longer), `r1`, `g2mod`, `DFg`.
     pub const PAPER_REAL: Config = Config {

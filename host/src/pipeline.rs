@@ -90,6 +90,9 @@ pub fn segment(
     height: usize,
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
+    if let Some(detection) = &config.detection {
+        return crate::detection::segment(detection, pixels, width, drive);
+    }
     segment_in::<F32<Native>>(config, pixels, width, height, drive)
 }
 

@@ -25,6 +25,17 @@ pub fn shortest(value: f32) -> f64 {
 pub fn parameters(config: &Config) -> Vec<Parameter> {
     let mut list = Vec::new();
     let mut add = |keyword, name, value: Value| list.push(Parameter { keyword, name, value });
+    if let Some(detection) = &config.detection {
+        add("SFMETHOD", "method", "noise-aware".into());
+        add("SFOUTLIN", "outline", shortest(detection.outline).into());
+        add("SFBRANCH", "branch", shortest(detection.branch).into());
+        add("SFCONTR", "contrast", shortest(detection.contrast).into());
+        add("SFSIGNIF", "significance", shortest(detection.significance).into());
+        add("SFLIGHT", "light", shortest(detection.light).into());
+        add("SFEXCESS", "excess", shortest(detection.excess).into());
+        add("SFMINAR", "min_area", i64::from(detection.min_area).into());
+        return list;
+    }
     match config.normalize {
         Normalize::MinMax => add("SFNORM", "normalize", "minmax".into()),
         Normalize::Percentile { low, high } => {

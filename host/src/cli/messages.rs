@@ -50,10 +50,12 @@ pub fn report(config: &Config, name: &str, done: &Done, volume: Volume) -> Vec<S
         StopReason::Rest => "came to rest",
         StopReason::TimeLimit => "was given up",
     };
-    let mut lines = vec![format!(
-        "{name}: {} x {} pixels, {} sources; the front {reason} at t = {t:.4} after {} steps",
-        done.width, done.height, outcome.sources, outcome.steps
-    )];
+    let how = match config.detection {
+        Some(_) => "by their significance".to_owned(),
+        None => format!("the front {reason} at t = {t:.4} after {} steps", outcome.steps),
+    };
+    let mut lines =
+        vec![format!("{name}: {} x {} pixels, {} sources; {how}", done.width, done.height, outcome.sources)];
     lines.extend(warnings(name, done));
     if volume == Volume::Verbose {
         lines.extend(done.seconds.iter().map(|(stage, time)| {

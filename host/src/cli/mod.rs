@@ -15,6 +15,7 @@ mod messages;
 mod options;
 mod presets;
 mod reproduce;
+mod score;
 mod segment;
 mod settings;
 mod table;
@@ -54,6 +55,8 @@ enum Command {
     Demo(demo::Arguments),
     /// Tell the most memory and row operations that a run can need, before it starts.
     Budget(Box<budget::Arguments>),
+    /// Score a segmentation map against the truth (Haigh et al. 2021).
+    Score(score::Arguments),
     /// List the presets with their settings.
     Presets,
     /// List the columns of the catalogue and the bits of its flags.
@@ -86,6 +89,7 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Budget(arguments)) => budget::run(&arguments)?,
         Some(Command::Reproduce(arguments)) => reproduce::run(&arguments)?,
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
+        Some(Command::Score(arguments)) => score::run(&arguments)?,
         Some(Command::Presets) => presets::run(),
         Some(Command::Columns) => columns::run(),
         Some(Command::Man(arguments)) => manual::man(&arguments)?,

@@ -8,6 +8,7 @@ use skyfront_core::config::{
     Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau,
 };
 use skyfront_core::error::Error;
+use skyfront_core::significance::Detection;
 use std::path::PathBuf;
 
 /// What a run does; unset options take the preset's value.
@@ -129,8 +130,10 @@ pub struct Options {
 /// Named settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Preset {
-    /// Test 1 of the paper at its best: r3 with beta 8, heat filter, g2mod with c2 = 0.8.
+    /// Sky and noise from the image, sources by their significance, one setting for every sky.
     #[default]
+    NoiseAware,
+    /// Test 1 of the paper at its best: r3 with beta 8, heat filter, g2mod with c2 = 0.8.
     PaperF160,
     /// Test 2 of the paper at its best: Perona-Malik first, then r1, g2mod with c2 = 0.78.
     PaperReal,
@@ -140,6 +143,7 @@ impl Preset {
     /// Its settings.
     pub fn config(self) -> Config {
         match self {
+            Preset::NoiseAware => Config::NOISE_AWARE,
             Preset::PaperF160 => Config::PAPER_F160,
             Preset::PaperReal => Config::PAPER_REAL,
         }
@@ -312,8 +316,20 @@ fn tau(text: &str) -> Result<TauOption, String> {
 }
 
 impl Options {
-    /// The configuration that the preset and the options amount to; not validated.
+    /// The configuration that the preset and the options amount to; not validated. An option of
+    /// the paper's steps turns the noise-aware segmentation off.
     pub fn config(&self) -> Config {
+        let config = self.steps();
+        let standard = Config { min_area: config.min_area, ..Config::NOISE_AWARE };
+        let detection = config.detection.filter(|_| config == standard);
+        let min_area = match (detection, self.min_area) {
+            (None, None) if self.preset == Preset::NoiseAware => Config::PAPER_F160.min_area,
+            _ => config.min_area,
+        };
+        Config { detection: detection.map(|detection| Detection { min_area, ..detection }), min_area, ..config }
+    }
+
+    fn steps(&self) -> Config {
         let preset = self.preset.config();
         let scheme = self.scheme.map_or(preset.scheme, |scheme| match scheme {
             SchemeOption::Fd => Scheme::Fd,

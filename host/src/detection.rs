@@ -1,0 +1,79 @@
+//! The noise-aware segmentation on the host: memory, the call, the catalogue.
+
+use crate::pipeline::{Drive, Segmentation, StagePlanes};
+use skyfront_core::catalog::Source;
+use skyfront_core::error::Error;
+use skyfront_core::normalize::{Extremes, Range};
+use skyfront_core::outcome::{Outcome, StopReason};
+use skyfront_core::significance::{Detection, Workspace, detect, regions};
+use skyfront_core::sky::{Sky, mesh_cells};
+use skyfront_core::stage::Stage;
+use skyfront_core::tree::Region;
+use std::time::Instant;
+
+/// Segments an image, row-major, NaN = undefined; the `front` of the result is the smoothed
+/// signal-to-noise above the outline.
+///
+/// # Errors
+/// What the core finds wrong with the image.
+pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Drive<'_>) -> Result<Segmentation, Error> {
+    let started = Instant::now();
+    let count = pixels.len();
+    let height = count / width.max(1);
+    let [mut signal, mut fine, mut smooth, mut masked, mut scratch] = [(); 5].map(|()| vec![0.0; count]);
+    let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
+    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height)];
+    let mut table = vec![Region::default(); regions(width, height)];
+    let mut work = Workspace {
+        signal: &mut signal,
+        fine: &mut fine,
+        smooth: &mut smooth,
+        masked: &mut masked,
+        scratch: &mut scratch,
+        parents: &mut parents,
+        order: &mut order,
+        labels: &mut labels,
+        mesh: &mut mesh,
+        regions: &mut table,
+    };
+    let found = detect(pixels, width, detection, &mut work)?;
+    let mut extremes = Extremes::NONE;
+    pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
+    let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
+    for (at, (&label, &pixel)) in labels.iter().zip(pixels).enumerate() {
+        if let Some(source) = (label as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
+            source.add((at % width) as u32, (at / width) as u32, pixel, extremes.least);
+        }
+    }
+    let stages = drive.keep_stages.then(|| StagePlanes {
+        normalised: signal.iter().map(|value| (value / 20.0).clamp(0.0, 1.0)).collect(),
+        rescaled: Vec::new(),
+        filtered: smooth.iter().map(|value| (value / 20.0).clamp(0.0, 1.0)).collect(),
+        edge: masked,
+    });
+    let outcome = Outcome {
+        reason: StopReason::Rest,
+        steps: 0,
+        last_change: 0.0,
+        extremes,
+        range: Range { low: extremes.least, high: extremes.greatest },
+        tau: 0.0,
+        gradient: (0.0, 0.0),
+        mask_pixels: found.mask_pixels,
+        sources: found.sources,
+        catalogued: found.sources,
+        unlabelled: 0,
+        work: 0,
+    };
+    Ok(Segmentation {
+        width,
+        height,
+        labels,
+        front: smooth.iter().map(|value| value - detection.outline).collect(),
+        stages,
+        convergence: Vec::new(),
+        sources,
+        outcome,
+        seconds: vec![(Stage::Measure, started.elapsed())],
+    })
+}

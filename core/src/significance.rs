@@ -41,7 +41,7 @@ impl Detection {
         outline: 1.0,
         branch: 8.0,
         contrast: 0.0005,
-        significance: 4.5,
+        significance: 4.8,
         light: 20.0,
         min_area: 6,
         excess: 6.0,

@@ -100,6 +100,8 @@ pub fn config_digest(config: &Config) -> u32 {
         band,
         connectivity,
         min_area,
+        // Not a part of the steps that a snapshot interrupts.
+        detection: _,
     } = *config;
     let (normalize, low, high) = match normalize {
         Normalize::MinMax => (0, 0.0, 0.0),

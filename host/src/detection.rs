@@ -66,6 +66,7 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         work: 0,
     };
     Ok(Segmentation {
+        arithmetic: "f32",
         width,
         height,
         labels,

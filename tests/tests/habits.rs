@@ -201,7 +201,7 @@ fn verbose_tells_the_stages_and_excludes_quiet() {
     let folder = Folder::new("verbose");
     let image = folder.file("sky.fits");
     sky(&image, 3);
-    let output = skyfront(["segment", &image, "--out", &folder.file("out"), "--verbose"]);
+    let output = skyfront(["segment", &image, "--out", &folder.file("out"), "--verbose", "--preset", "paper-f160"]);
     assert!(messages(&output).contains("  evolve"), "{}", messages(&output));
     assert_eq!(skyfront(["segment", &image, "--out", "x", "-v", "-q"]).status.code(), Some(2));
 }

@@ -1,6 +1,5 @@
-//! The core in f32 and q24 against the f64 reference: f32 takes the same steps to the same masks, with |du| within the
-//! promised 5e-4; q24 differs in at most 3 mask pixels of 90 000. (q11 is held to f32 in `fixed_point.rs`; its stage by
-//! stage comparison is what `skyfront crosscheck` prints.)
+//! The core against the f64 reference: f32 takes the same steps to the same masks, with |du| within the promised 5e-4;
+//! of 90 000 mask pixels q24 differs in at most 3 and q11 in at most 180.
 
 use skyfront::crosscheck::{Check, crosscheck, table};
 use skyfront_core::config::{Config, Rescale, Scheme, Tau};
@@ -26,9 +25,14 @@ fn on_the_simulated_scenes() {
                 for scheme in [Scheme::Fd, Scheme::Sl] {
                     let config = Config { rescale, ..Config::PAPER_F160 }.with_scheme(scheme);
                     let checks = crosscheck(&config, &scene.pixels, scene.width, scene.height, |most| most).unwrap();
-                    let wide: Vec<Check> = checks.into_iter().filter(|check| check.arithmetic != "q11").collect();
-                    assert_eq!(wide.len(), 2, "f32 and q24 were compared");
-                    assert_agrees(&format!("{name} {rescale:?} {scheme:?}"), &wide);
+                    let caption = format!("{name} {rescale:?} {scheme:?}");
+                    for check in &checks {
+                        match check.arithmetic {
+                            "f32" => assert_agrees(&caption, std::slice::from_ref(check)),
+                            "q24" => assert!(check.comparison.mask_pixels <= 3, "{}", table(&caption, &checks)),
+                            _ => assert!(check.comparison.mask_pixels <= 180, "{}", table(&caption, &checks)),
+                        }
+                    }
                 }
             }
         }

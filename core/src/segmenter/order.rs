@@ -1,0 +1,121 @@
+//! What follows from a pass that is over: the next pass, or the next stage.
+
+use super::Segmenter;
+use crate::arithmetic::Arithmetic;
+use crate::catalog::Source;
+use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
+use crate::error::Error;
+use crate::normalize::Range;
+use crate::outcome::StopReason;
+use crate::scheme::Evolve;
+use crate::select::Select;
+use crate::stage::Stage;
+use crate::stop::Change;
+use crate::tiles::{Tiles, rows_of_tile};
+
+impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
+    /// The last row of a pass is done: what follows from it, and the next pass.
+    pub(super) fn end_pass(&mut self) -> Result<(), Error> {
+        let state = &mut self.state;
+        state.row = 0;
+        state.pass = state.pass.saturating_add(1);
+        match state.stage {
+            Stage::Extremes => {
+                if state.extremes.defined == 0 {
+                    return Err(Error::NothingDefined { pixels: self.width.saturating_mul(self.height) });
+                }
+                state.range = Range { low: state.extremes.least, high: state.extremes.greatest };
+            }
+            Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
+                let Some(value) = state.select.end_pass() else { return Ok(()) };
+                match state.stage {
+                    Stage::LowPercentile => state.range.low = value,
+                    Stage::HighPercentile => state.range.high = value,
+                    _ => state.fill = value,
+                }
+            }
+            Stage::Otsu | Stage::StartLevel => state.tau = state.histogram.otsu(),
+            Stage::March if state.marching => return Ok(()),
+            Stage::March => {
+                // The time of the last arrival, in steps.
+                state.steps = (state.march.latest() * self.config.dx / self.config.dt) as u32;
+                state.reason = StopReason::Rest;
+            }
+            Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),
+            Stage::Evolve => {
+                state.steps = state.pass;
+                state.last_change = self.rule.norm(&state.change);
+                let at_rest = self.rule.at_rest(&state.change);
+                state.change = Change::none(&self.rule);
+                if at_rest {
+                    state.reason = StopReason::Rest;
+                } else if state.steps < self.config.max_steps() {
+                    return Ok(());
+                }
+            }
+            _ => {}
+        }
+        self.begin_stage(self.stage_after(self.state.stage))
+    }
+
+    fn begin_stage(&mut self, stage: Stage) -> Result<(), Error> {
+        let state = &mut self.state;
+        (state.stage, state.pass) = (stage, 0);
+        let defined = state.extremes.defined;
+        match (stage, self.config.normalize) {
+            (Stage::LowPercentile, Normalize::Percentile { low, .. }) => {
+                state.select = Select::percentile(low, defined)
+            }
+            (Stage::HighPercentile, Normalize::Percentile { high, .. }) => {
+                state.select = Select::percentile(high, defined);
+            }
+            (Stage::Median, _) => state.select = Select::percentile(50.0, defined),
+            (Stage::Normalize, _) => {
+                if state.range.low >= state.range.high {
+                    return Err(Error::Constant { value: state.range.low });
+                }
+                state.fill = state.range.apply(state.fill, 0.0);
+            }
+            (Stage::Evolve, _) => Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake(),
+            (Stage::Measure, _) => {
+                for (label, source) in (1..=state.numbered).zip(self.memory.sources.iter_mut()) {
+                    *source = Source::empty(label);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The stage after `stage`, without those that this configuration and image do not need.
+    fn stage_after(&self, stage: Stage) -> Stage {
+        let mut next = stage.following(self.config.order);
+        // No more than seven optional stages can follow each other.
+        for _ in 0..7 {
+            if self.needed(next) {
+                break;
+            }
+            next = next.following(self.config.order);
+        }
+        next
+    }
+
+    fn needed(&self, stage: Stage) -> bool {
+        let starts_near = matches!(self.config.start, Start::Threshold { .. });
+        let marches = self.config.scheme == Scheme::FastMarching;
+        match stage {
+            Stage::LowPercentile | Stage::HighPercentile => {
+                matches!(self.config.normalize, Normalize::Percentile { .. })
+            }
+            Stage::Median => (self.state.extremes.defined as usize) < self.width.saturating_mul(self.height),
+            Stage::Otsu => matches!(self.config.rescale, Rescale::R3 { tau: Tau::Otsu, .. }),
+            Stage::Rescale => self.config.rescale != Rescale::None,
+            Stage::StartLevel => starts_near && !matches!(self.config.rescale, Rescale::R3 { .. }),
+            Stage::StartMark | Stage::StartUp | Stage::StartDown => starts_near,
+            Stage::Evolve => !marches,
+            Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => marches,
+            Stage::Filter => self.config.filter != Filter::None && self.config.filter_steps > 0,
+            _ => true,
+        }
+    }
+}

@@ -53,7 +53,15 @@ const fn lossy(name: &'static str, syntax: &'static str, stored: ImageType) -> K
 /// # Errors
 /// What cfitsio says.
 pub fn write(path: &Path, kind: &Kind, values: &[f64]) -> Result<(), Error> {
-    let description = ImageDescription { data_type: kind.stored, dimensions: &[HEIGHT, WIDTH] };
+    write_sized(path, kind, values, [HEIGHT, WIDTH])
+}
+
+/// The same for an image of so many rows and columns.
+///
+/// # Errors
+/// What cfitsio says.
+pub fn write_sized(path: &Path, kind: &Kind, values: &[f64], size: [usize; 2]) -> Result<(), Error> {
+    let description = ImageDescription { data_type: kind.stored, dimensions: &size };
     let name = format!("{}[compress {}]", path.display(), kind.syntax);
     let mut file = FitsFile::create(name).with_custom_primary(&description).open()?;
     let hdu = file.hdu(1)?;

@@ -1,5 +1,6 @@
 //! The noise-aware segmentation on the host: memory, the call, the catalogue.
 
+use crate::background::SkyMaps;
 use crate::pipeline::{Drive, Segmentation, StagePlanes};
 use skyfront_core::catalog::Source;
 use skyfront_core::error::Error;
@@ -10,6 +11,29 @@ use skyfront_core::sky::{Sky, mesh_cells};
 use skyfront_core::stage::Stage;
 use skyfront_core::tree::Region;
 use std::time::Instant;
+
+/// The signal-to-noise that pictures show.
+pub mod shown {
+    /// Black.
+    pub const LEAST: f32 = -5.0;
+    /// White.
+    pub const GREATEST: f32 = 20.0;
+
+    /// A signal-to-noise on the scale from black, 0, to white, 1.
+    pub fn unit(value: &f32) -> f32 {
+        ((value - LEAST) / (GREATEST - LEAST)).clamp(0.0, 1.0)
+    }
+}
+
+/// The image above the given sky, or else the measured one, in units of the given noise.
+fn even(pixels: &[f32], width: usize, background: Option<&[f32]>, noise: Option<&[f32]>) -> Vec<f32> {
+    let measured = if background.is_none() { SkyMaps::measure(pixels, &[], width).level } else { Vec::new() };
+    let above = pixels.iter().zip(background.unwrap_or(&measured)).map(|(&pixel, &level)| pixel - level);
+    match noise {
+        Some(noise) => above.zip(noise).map(|(value, &noise)| value / noise).collect(),
+        None => above.collect(),
+    }
+}
 
 /// Segments an image, row-major, NaN = undefined; the `front` of the result is the smoothed
 /// signal-to-noise above the outline.
@@ -36,7 +60,10 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         mesh: &mut mesh,
         regions: &mut table,
     };
-    let found = detect(pixels, width, detection, &mut work)?;
+    let given = drive.background.is_some() || drive.noise.is_some();
+    let evened = given.then(|| even(pixels, width, drive.background, drive.noise));
+    let found = detect(evened.as_deref().unwrap_or(pixels), width, detection, &mut work)?;
+    let sky = SkyMaps::measure_into(pixels, &masked, width, [fine, scratch]);
     let mut extremes = Extremes::NONE;
     pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
@@ -46,9 +73,9 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         }
     }
     let stages = drive.keep_stages.then(|| StagePlanes {
-        normalised: signal.iter().map(|value| (value / 20.0).clamp(0.0, 1.0)).collect(),
+        normalised: signal.iter().map(shown::unit).collect(),
         rescaled: Vec::new(),
-        filtered: smooth.iter().map(|value| (value / 20.0).clamp(0.0, 1.0)).collect(),
+        filtered: smooth.iter().map(shown::unit).collect(),
         edge: masked,
     });
     let outcome = Outcome {
@@ -75,6 +102,8 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         convergence: Vec::new(),
         sources,
         outcome,
+        sky: Some(sky),
         seconds: vec![(Stage::Measure, started.elapsed())],
+        remark: None,
     })
 }

@@ -1,12 +1,15 @@
 //! The host side of Skyfront: files in, the core at work, files and pictures out.
 
 pub mod arithmetics;
+pub mod background;
 pub mod catalogue;
 pub mod cli;
 pub mod crosscheck;
 pub mod detection;
+pub mod input;
 pub mod machine;
 pub mod measure;
+pub mod nothing;
 pub mod outline;
 pub mod outputs;
 pub mod parallel;

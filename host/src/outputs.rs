@@ -1,38 +1,59 @@
 //! The files of a run.
 
 use crate::catalogue::{Catalogue, Request};
+use crate::input::Input;
 use crate::outline;
 use crate::picture;
 use crate::pipeline::Segmentation;
 use crate::provenance;
-use crate::read::Image;
 use crate::report;
-use crate::summary::summary;
+use crate::summary::{Part, summary};
 use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError, wcs};
 use serde_json::json;
 use skyfront_core::config::Config;
+use std::time::Instant;
 
 /// Names of the data products beside the catalogue, in the order of writing.
 pub const DATA: [&str; 4] = ["segmentation.fits", "segmented.fits", "front.fits", "summary.json"];
+/// Sky and noise, where they are wanted.
+pub const SKY: [&str; 2] = ["background.fits", "noise.fits"];
+/// The front's arrival times, where they are wanted.
+pub const ARRIVAL: &str = "arrival.fits";
 /// Names of the pictures.
 pub const PICTURES: [&str; 3] = ["stages.png", "overlay.png", report::FILE];
 
-/// Writes every product of a run under its temporary name; gives what summary.json holds, and
-/// warnings.
+/// What writing leaves.
+pub struct Written {
+    /// What summary.json holds.
+    pub summary: serde_json::Value,
+    /// What a user must know about the catalogue.
+    pub warnings: Vec<String>,
+    /// The parts of the run, in order. Pictures come after the summary and are not in it.
+    pub parts: Vec<Part>,
+}
+
+/// Writes every product of a run under its temporary name.
 ///
 /// # Errors
 /// The first product that could not be written.
 pub fn write(
     products: &mut Products,
     config: &Config,
-    input: &str,
-    image: &Image,
+    input: &Input,
     run: &Segmentation,
     request: &Request,
-) -> Result<(serde_json::Value, Vec<String>), WriteError> {
+) -> Result<Written, WriteError> {
+    let image = &input.detected.image;
+    let mut parts = vec![("read".to_owned(), input.reading)];
+    parts.extend(run.seconds.iter().map(|(stage, time)| (format!("{stage:?}").to_lowercase(), *time)));
+    let mut clock = Instant::now();
+    let mut done = |parts: &mut Vec<Part>, part: &str| {
+        parts.push((part.to_owned(), clock.elapsed()));
+        clock = Instant::now();
+    };
     let mut header = wcs::entries(&image.header);
-    let mut provenance = provenance::entries(config, input, image.checksum);
+    let mut provenance = provenance::entries(config, input);
     provenance.push(Entry::new("SFARITH", run.arithmetic, "arithmetic"));
     header.extend(provenance.iter().cloned());
     let (width, height) = (run.width, run.height);
@@ -49,28 +70,37 @@ pub fn write(
         label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
     })?;
     if !run.front.is_empty() {
-        write_front(products, config, input, image, &|index| run.front[index])?;
+        write_front(products, config, input, request, &|index| run.front[index])?;
     }
-    let catalogue = Catalogue::of(image, run, &request.extras);
+    if let (true, Some(sky)) = (request.sky, &run.sky) {
+        for (name, map) in SKY.iter().zip([&sky.level, &sky.noise]) {
+            write_plane(products, name, (width, height), &header, |index| map[index])?;
+        }
+    }
+    done(&mut parts, "write maps");
+    let catalogue = Catalogue::of(input, run, &request.extras);
+    done(&mut parts, "catalogue");
     for &format in &request.formats {
         catalogue.write(format, &provenance, products)?;
     }
     write_outlines(products, config, run, request, &catalogue)?;
-    let mut summary = summary(config, input, image, run);
-    let warnings: Vec<String> = catalogue.warnings().collect();
+    done(&mut parts, "write catalogue");
+    let mut summary = summary(config, input, run, &parts);
+    let warnings: Vec<String> = run.remark.iter().cloned().chain(catalogue.warnings()).collect();
     summary["measuring"] = catalogue.settings();
-    summary["catalogue_warnings"] = json!(warnings);
+    summary["result_warnings"] = json!(warnings);
     products.write("summary.json", |out| writeln!(out, "{summary:#}"))?;
     if let Some(planes) = &run.stages {
-        let stages = picture::stages(run, planes);
+        let stages = picture::stages(config, run, planes);
         products.write("stages.png", |out| stages.write_png(out))?;
         let overlay = picture::overlay(&image.pixels, &run.labels, width, height, &run.sources);
         products.write("overlay.png", |out| overlay.write_png(out))?;
-        let subject = report::Subject { config, input, image, run, catalogue: &catalogue, planes };
+        let subject = report::Subject { config, input, run, catalogue: &catalogue, planes };
         let page = report::page(&report::page_data(&subject));
         products.write(report::FILE, |out| out.write_all(page.as_bytes()))?;
+        done(&mut parts, "pictures");
     }
-    Ok((summary, warnings))
+    Ok(Written { summary, warnings, parts })
 }
 
 /// The outlines of the sources, in the files that are wanted.
@@ -97,20 +127,29 @@ fn write_outlines(
     Ok(())
 }
 
-/// Writes the final front.
+/// Writes the final front, and the times of its arrival where they are wanted.
 ///
 /// # Errors
 /// What kept it from being written.
 pub fn write_front(
     products: &mut Products,
     config: &Config,
-    input: &str,
-    image: &Image,
+    input: &Input,
+    request: &Request,
     front: &dyn Fn(usize) -> f32,
 ) -> Result<(), WriteError> {
+    let image = &input.detected.image;
     let mut header = wcs::entries(&image.header);
-    header.extend(provenance::entries(config, input, image.checksum));
-    write_plane(products, "front.fits", (image.width, image.height), &header, front)
+    header.extend(provenance::entries(config, input));
+    let size = (image.width, image.height);
+    write_plane(products, "front.fits", size, &header, front)?;
+    if request.arrival {
+        // The marched front is the time left at t_max, in pixels of free motion; above 0 it never came.
+        let time = |front: f32| if front > 0.0 { f32::NAN } else { ((front + config.farthest()) * config.dx).max(0.0) };
+        let header = with_unit(&header, "arrival time t of the front; NaN = it never came");
+        write_plane(products, ARRIVAL, size, &header, |index| time(front(index)))?;
+    }
+    Ok(())
 }
 
 fn with_unit(header: &[Entry], unit: &str) -> Vec<Entry> {

@@ -1,5 +1,7 @@
 //! One image through the core: memory, the poll loop, and what the outputs need.
 
+use crate::background::SkyMaps;
+use crate::input::StartMap;
 use crate::machine::Native;
 use crate::parallel::evolve;
 use crate::planes::plane;
@@ -51,15 +53,25 @@ pub struct Segmentation {
     pub sources: Vec<Source>,
     /// What the run found.
     pub outcome: Outcome,
+    /// Sky and noise, where the run measured them.
+    pub sky: Option<SkyMaps>,
     /// Wall time of each stage.
     pub seconds: Vec<(Stage, Duration)>,
+    /// Why there can be no source.
+    pub remark: Option<String>,
 }
 
 /// Receives a front: a function from a pixel's index to its value.
 pub type TakeFront<'a> = dyn FnMut(&dyn Fn(usize) -> f32) + 'a;
 
-/// How a run is driven; changes nothing in its result.
+/// How a run is driven, which changes nothing in its result, and what it is given beside the image.
 pub struct Drive<'a> {
+    /// Sky of every pixel, for the noise-aware segmentation.
+    pub background: Option<&'a [f32]>,
+    /// Standard deviation of every pixel's noise, for the noise-aware segmentation.
+    pub noise: Option<&'a [f32]>,
+    /// Where the front starts, for [`skyfront_core::config::Start::Given`].
+    pub start: Option<&'a StartMap>,
     /// Rows a poll.
     pub slice: usize,
     /// Whether to keep the planes of the steps.
@@ -75,7 +87,16 @@ pub struct Drive<'a> {
 impl Default for Drive<'_> {
     /// Whole passes on one thread, no stages kept, nobody watching.
     fn default() -> Self {
-        Drive { slice: usize::MAX, keep_stages: false, threads: 1, take_front: None, watch: None }
+        Drive {
+            background: None,
+            noise: None,
+            start: None,
+            slice: usize::MAX,
+            keep_stages: false,
+            threads: 1,
+            take_front: None,
+            watch: None,
+        }
     }
 }
 
@@ -110,6 +131,9 @@ pub fn segment_in<A: Arithmetic>(
     let count = width * height;
     let mut image = plane::<A::Cell>(count);
     let mut front = plane::<A::Cell>(count);
+    if let Some(start) = drive.start {
+        start.fill::<A>(config, (width, height), &mut front);
+    }
     let mut ring = vec![A::Cell::default(); ring_cells(width, config.scheme == Scheme::SlCurvature)];
     let mut samples = vec![0.0; width];
     let mut tiles = vec![0; flags_len(width, height)];
@@ -191,6 +215,8 @@ pub fn segment_in<A: Arithmetic>(
         convergence,
         sources,
         outcome,
+        sky: None,
         seconds,
+        remark: None,
     })
 }

@@ -1,5 +1,6 @@
 //! What a result must tell about its making: every effective parameter, by name and FITS keyword.
 
+use crate::input::Input;
 use crate::write::{Entry, Value};
 use skyfront_core::config::{
     Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau,
@@ -98,7 +99,7 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
     }
     match config.start {
         Start::Frame => add("SFSTART", "start", "frame".into()),
-        Start::Given => add("SFSTART", "start", "given".into()),
+        Start::Given => add("SFSTART", "start_from", "map".into()),
         Start::Threshold { margin } => {
             add("SFSTART", "start", "threshold".into());
             add("SFMARGIN", "margin", shortest(margin).into());
@@ -131,12 +132,14 @@ pub fn scheme_name(scheme: Scheme) -> &'static str {
 }
 
 /// The header entries of a product: program, input and every parameter.
-pub fn entries(config: &Config, input: &str, checksum: u32) -> Vec<Entry> {
+pub fn entries(config: &Config, input: &Input) -> Vec<Entry> {
+    let checksum = input.detected.image.checksum;
     let mut entries = vec![
         Entry::new("CREATOR", concat!("skyfront ", env!("CARGO_PKG_VERSION")), "program that made this file"),
-        Entry::new("SFINPUT", input, "file that was segmented"),
+        Entry::new("SFINPUT", input.detected.name.as_str(), "file that was segmented"),
         Entry::new("SFCRC", format!("{checksum:08x}"), "CRC-32 of that file"),
     ];
+    entries.extend(input.entries());
     for parameter in parameters(config) {
         entries.push(Entry::new(parameter.keyword, parameter.value, parameter.name));
     }

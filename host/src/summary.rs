@@ -1,12 +1,13 @@
 //! The summary of a run as JSON: what went in, what was done, what came out.
 
+use crate::input::Input;
 use crate::pipeline::Segmentation;
 use crate::provenance::{parameters, shortest};
-use crate::read::Image;
 use crate::write;
 use serde_json::{Map, Value, json};
 use skyfront_core::config::Config;
 use skyfront_core::outcome::StopReason;
+use std::time::Duration;
 
 /// CRC-32 of a label map's little-endian bytes: equal maps have equal digests on any machine.
 pub fn label_digest(labels: &[u32]) -> u32 {
@@ -17,39 +18,44 @@ pub fn label_digest(labels: &[u32]) -> u32 {
     digest.finalize()
 }
 
-/// The summary of a run over an image.
-pub fn summary(config: &Config, input: &str, image: &Image, run: &Segmentation) -> Value {
+/// A part of a run, and the time it took.
+pub type Part = (String, Duration);
+
+/// The summary of a run over an image, and of the parts that are done by now.
+pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part]) -> Value {
+    let image = &input.detected.image;
     let outcome = &run.outcome;
     let settings: Map<String, Value> =
         parameters(config).into_iter().map(|parameter| (parameter.name.to_owned(), json_of(parameter.value))).collect();
-    let seconds: Map<String, Value> = run
-        .seconds
-        .iter()
-        .map(|(stage, time)| (format!("{stage:?}").to_lowercase(), json!(time.as_secs_f64())))
-        .collect();
+    let seconds: Map<String, Value> =
+        parts.iter().map(|(part, time)| (part.clone(), json!(time.as_secs_f64()))).collect();
+    // The noise-aware segmentation moves no front.
+    let moved = |value: Value| if config.detection.is_none() { value } else { Value::Null };
     json!({
         "program": "skyfront",
         "version": env!("CARGO_PKG_VERSION"),
         "input": {
-            "file": input,
+            "file": input.detected.name,
             "hdu": image.hdu,
             "checksum": format!("{:08x}", image.checksum),
             "warnings": image.warnings,
+            "beside": input.beside_json(),
         },
         "width": run.width,
         "height": run.height,
         "undefined_pixels": run.width * run.height - outcome.extremes.defined as usize,
+        "pixels_removed_by_maps": input.removed,
         "min": outcome.extremes.least,
         "max": outcome.extremes.greatest,
         "arithmetic": run.arithmetic,
         "parameters": settings,
-        "tau": outcome.tau,
-        "stop": match outcome.reason {
+        "tau": moved(json!(outcome.tau)),
+        "stop": moved(json!(match outcome.reason {
             StopReason::Rest => "rest",
             StopReason::TimeLimit => "t_max",
-        },
-        "t": f64::from(outcome.steps) * shortest(config.dt),
-        "iterations": outcome.steps,
+        })),
+        "t": moved(json!(f64::from(outcome.steps) * shortest(config.dt))),
+        "iterations": moved(json!(outcome.steps)),
         "mask_pixels": outcome.mask_pixels,
         "n_sources": outcome.sources,
         "sources_not_in_catalog": outcome.sources - outcome.catalogued,

@@ -1,6 +1,7 @@
 //! The command line as a user meets it: results, messages, exit codes, and nothing half-written.
 
 use skyfront_tests::command::{Folder, messages, skyfront};
+use skyfront_tests::fits_bytes::{Header, samples};
 use std::fs;
 
 const PRODUCTS: [&str; 9] = [
@@ -136,12 +137,36 @@ fn parameters_out_of_bounds_name_parameter_value_and_bound() {
             ["segment", &sky, "--preset", "paper-f160", "--out", &out].into_iter().chain(options.iter().copied());
         let output = skyfront(arguments);
         let text = messages(&output);
-        assert_eq!(output.status.code(), Some(1), "{options:?}: {text}");
+        assert_eq!(output.status.code(), Some(2), "{options:?}: {text}");
         for word in words {
             assert!(text.contains(word), "{options:?}: '{word}' is not in: {text}");
         }
     }
     assert!(folder.names("out").is_empty());
+}
+
+#[test]
+fn an_image_in_which_nothing_can_stand_out_has_every_product_and_no_source() {
+    let folder = Folder::new("flat");
+    for (width, height) in [(1, 1), (2, 2), (1, 30), (30, 4), (40, 30)] {
+        let image = folder.file("flat.fits");
+        let axes = [width as u64, height as u64];
+        fs::write(&image, Header::primary(16, &axes).with(samples(16, &vec![5.0; width * height])))
+            .expect("the image can be written");
+        for preset in ["noise-aware", "paper-f160"] {
+            let out = folder.file("out");
+            let more = ["--regions", "--polygons", "--catalog-format", "csv,ecsv,fits,jsonl"];
+            let line = ["segment", &image, "--out", &out, "--overwrite", "--preset", preset];
+            let output = skyfront(line.iter().chain(&more));
+            let text = messages(&output);
+            assert!(output.status.success(), "{width} x {height}, {preset}: {text}");
+            assert!(text.contains("0 sources") && text.contains("warning: "), "{width} x {height}, {preset}: {text}");
+            assert!(PRODUCTS.iter().all(|product| folder.path().join("out").join(product).is_file()));
+            let table = fs::read_to_string(folder.file("out/catalog.csv")).expect("a catalogue");
+            assert_eq!(table.lines().count(), 1, "the names of the columns only");
+            assert_eq!(summary(&folder, "out")["n_sources"], 0);
+        }
+    }
 }
 
 #[test]

@@ -121,3 +121,22 @@ fn a_magnitude_by_hand() {
     let (magnitude, error) = Flux { value: 100.0, error: 1.0 }.magnitude(25.0);
     assert!((magnitude - 20.0).abs() < 1e-12 && (error - 0.010857362).abs() < 1e-9);
 }
+
+/// The curve of growth sums whole pixels once and cuts the others; the aperture visits them all.
+#[test]
+fn half_of_the_light_lies_within_the_half_light_radius() {
+    let side = 41;
+    let pixels: Vec<f32> = (0..side * side)
+        .map(|at| {
+            let (dx, dy) = ((at % side) as f32 - 19.7, (at / side) as f32 - 20.4);
+            500.0 * (-(dx * dx + dy * dy) / 18.0).exp()
+        })
+        .collect();
+    let labels: Vec<u32> = pixels.iter().map(|&pixel| u32::from(pixel > 5.0)).collect();
+    let source = &measured(&pixels, &labels, side, &known(0.0, 1.0))[0];
+    // A Gaussian of sigma 3 has half of its light within 3 sqrt(2 ln 2) = 3.53, of which the Kron aperture misses little.
+    assert!((3.45..3.6).contains(&source.half_light), "{}", source.half_light);
+    let radius = vec![source.half_light];
+    let again = &measured(&pixels, &labels, side, &Extras { apertures: radius, ..known(0.0, 1.0) })[0];
+    near(again.apertures[0].value, 0.5 * source.kron.value, "half of the light");
+}

@@ -168,6 +168,29 @@ fn a_report_without_sources_says_so() {
 }
 
 #[test]
+fn the_default_shows_its_own_stages_and_threshold_and_no_front() {
+    let folder = Folder::new("report-default");
+    let demo = skyfront(["demo", "--quiet", "--out", &folder.file("demo")]);
+    assert!(demo.status.success(), "{}", messages(&demo));
+    let run = skyfront(["segment", &folder.file("demo/sky.fits"), "--quiet", "--out", &folder.file("out")]);
+    assert!(run.status.success(), "{}", messages(&run));
+    let check = READER
+        .replace("document.querySelector('#convergence .curve').getAttribute('d').split('L').length", "'none'")
+        .replace("return found;", "found.convergence = document.getElementById('convergence'); return found;");
+    let found = in_browser(&folder, &folder.path().join("out/report.html"), &check);
+    assert!(found["sources"].as_u64().is_some_and(|n| n >= 10), "{found}");
+    for (hover, click) in
+        found["hovers"].as_array().expect("hovers").iter().zip(found["clicks"].as_array().expect("clicks"))
+    {
+        let i = &hover[0];
+        assert_eq!(hover, &serde_json::json!([i, [i], [i], true]), "an outline shows its row: {found}");
+        assert_eq!(click, &serde_json::json!([i, [i], true]), "a click brings the row into view: {found}");
+    }
+    assert_eq!((&found["stages"], &found["convergence"]), (&serde_json::json!(5), &serde_json::Value::Null));
+    assert_eq!(found["tau"], "outline = 1");
+}
+
+#[test]
 fn no_address_outside_the_page_stands_in_it() {
     let folder = Folder::new("report-static");
     let demo = skyfront(["demo", "--quiet", "--out", &folder.file("out")]);

@@ -89,11 +89,11 @@ fn extent() -> [Column; 5] {
 
 fn pixels(unit: &str) -> [Column; 8] {
     [
-        real("sum", unit, "sum of the pixel values, background included", |m| f64::from(m.source.sum())),
-        real("mean", unit, "mean of the pixel values, background included", |m| f64::from(m.source.mean())),
-        real("peak", unit, "greatest pixel value, background included", |m| f64::from(m.source.peak)),
-        integer("xpeak", "pixel", "column of the peak, from 1", |m| i64::from(m.source.peak_at.0) + 1),
-        integer("ypeak", "pixel", "row of the peak, from 1", |m| i64::from(m.source.peak_at.1) + 1),
+        real("sum", unit, "sum of the pixel values, background included", |m| m.values.sum),
+        real("mean", unit, "mean of the pixel values, background included", |m| m.values.mean),
+        real("peak", unit, "greatest pixel value, background included", |m| m.values.peak),
+        integer("xpeak", "pixel", "column of the peak, from 1", |m| i64::from(m.values.peak_at.0) + 1),
+        integer("ypeak", "pixel", "row of the peak, from 1", |m| i64::from(m.values.peak_at.1) + 1),
         real("background", unit, "mean background under the source", |m| m.background),
         real("noise", unit, "standard deviation of the background, mean under the source", |m| m.noise),
         real("threshold", unit, "mean value above the background of the pixels along the outline", |m| m.threshold),
@@ -170,7 +170,8 @@ fn column(name: &str, unit: &str, description: &str, value: Value) -> Column {
 }
 
 impl Column {
-    /// The value of a source as text: empty where there is none.
+    /// The value of a source as text: empty where there is none. Every format tells this number:
+    /// the last bits, in which system libraries differ, are rounded away.
     pub fn text(&self, source: &Measured) -> String {
         match &self.value {
             Value::Integer(value) => value(source).to_string(),

@@ -6,10 +6,11 @@ mod text;
 
 pub use columns::{Column, Setting, Value, columns};
 
-use crate::measure::{Extras, Measured, Scene, measure, run_flags};
+use crate::background::SkyMaps;
+use crate::input::Input;
+use crate::measure::{Extras, Level, Measured, Scene, measure, run_flags};
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
-use crate::read::Image;
 use crate::sky::Sky;
 use crate::write::{Entry, Products, WriteError};
 use skyfront_core::flags;
@@ -50,12 +51,16 @@ pub struct Request {
     pub regions: bool,
     /// Whether outlines in JSON are wanted.
     pub polygons: bool,
+    /// Whether maps of sky and noise are wanted.
+    pub sky: bool,
+    /// Whether the front's arrival times are wanted.
+    pub arrival: bool,
 }
 
 impl Default for Request {
     fn default() -> Self {
         let formats = vec![Format::Csv, Format::Fits];
-        Request { extras: Extras::default(), formats, regions: false, polygons: false }
+        Request { extras: Extras::default(), formats, regions: false, polygons: false, sky: false, arrival: false }
     }
 }
 
@@ -64,11 +69,14 @@ impl Request {
     pub fn files(&self) -> Vec<&'static str> {
         let regions: &[&str] = if self.regions { &crate::outline::REGIONS } else { &[] };
         let polygons: &[&str] = if self.polygons { &[crate::outline::POLYGONS] } else { &[] };
+        let sky: &[&str] = if self.sky { &crate::outputs::SKY } else { &[] };
+        let arrival: &[&str] = if self.arrival { &[crate::outputs::ARRIVAL] } else { &[] };
         self.formats
             .iter()
             .map(|format| format.file())
             .chain(regions.iter().copied())
             .chain(polygons.iter().copied())
+            .chain(sky.iter().chain(arrival).copied())
             .collect()
     }
 }
@@ -88,13 +96,26 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// Measures the sources of a run.
-    pub fn of(image: &Image, run: &Segmentation, extras: &Extras<'_>) -> Catalogue {
-        let (sky, refused) = match Sky::of(&image.header) {
+    /// Measures the sources of a run. Coordinates are those of the image they are measured in, or
+    /// of the segmented one where that has none.
+    pub fn of(input: &Input, run: &Segmentation, extras: &Extras<'_>) -> Catalogue {
+        let observed = input.measured();
+        let image = &observed.image;
+        let sky = Sky::of(&image.header).transpose().or_else(|| Sky::of(&input.detected.image.header).transpose());
+        let (sky, refused) = match sky.transpose() {
             Ok(sky) => (sky, None),
             Err(reason) => (None, Some(reason)),
         };
         let mut extras = extras.clone();
+        // Another image has another sky; it is measured as that of the segmented one was.
+        let of_another = run.sky.as_ref().filter(|_| input.measured.is_some());
+        let of_another = of_another.map(|_| SkyMaps::beside(&image.pixels, &run.labels, run.width));
+        let known = |maps: &&SkyMaps| maps.level.iter().all(|level| level.is_finite());
+        let maps = of_another.as_ref().or(run.sky.as_ref()).filter(known);
+        let level = observed.background.as_ref().or(maps.map(|maps| &maps.level));
+        let noise = observed.noise.as_ref().or(maps.map(|maps| &maps.noise));
+        extras.background = extras.background.or(level.map(|level| Level::Map(level.into())));
+        extras.noise = extras.noise.or(noise.map(|noise| Level::Map(noise.into())));
         extras.gain = extras.gain.or_else(|| image.real("GAIN")).filter(|&gain| gain > 0.0);
         extras.saturation = extras.saturation.or_else(|| image.real("SATURATE"));
         extras.flags |= run_flags(&run.outcome) | if refused.is_some() { flags::NO_COORDINATES } else { 0 };

@@ -2,7 +2,7 @@
 
 use super::folders::folders;
 use super::job::{plan, process};
-use super::messages::{Volume, progress_bar, report, warnings};
+use super::messages::{Volume, about_input, progress_bar, report, warnings};
 use super::segment::Arguments;
 use super::table::{self, Row};
 use crate::write::Products;
@@ -55,18 +55,17 @@ fn one(arguments: &Arguments, config: &Config, path: &Path, folder: &str, bar: &
 /// Segments an image into its folder; what remains is its summary.
 fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path, bar: &ProgressBar) -> Result<Value> {
     let name = path.display().to_string();
-    let image = arguments.read(path)?;
+    let input = arguments.read(path)?;
     let manner = arguments.manner();
     let products = plan(folder, &manner, &[])?;
-    let done = process(config, &name, &image, products, &manner, &mut |_| ())?;
+    let done = process(config, &input, products, &manner, &mut |_| ())?;
     let lines = match arguments.volume() {
         Volume::Quiet => Vec::new(),
         Volume::Normal => warnings(&name, &done),
         Volume::Verbose => report(config, &name, &done, Volume::Verbose),
     };
-    let about_file = image.warnings.iter().filter(|_| arguments.volume() > Volume::Quiet);
-    let about_file = about_file.map(|warning| format!("warning: {name}: {warning}"));
-    bar.suspend(|| about_file.chain(lines).for_each(|line| eprintln!("{line}")));
+    let about_input = about_input(&input, arguments.volume());
+    bar.suspend(|| about_input.iter().chain(&lines).for_each(|line| eprintln!("{line}")));
     Ok(done.summary)
 }
 

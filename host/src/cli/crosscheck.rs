@@ -1,7 +1,7 @@
 //! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
 
-use super::Options;
 use super::options::SchemeOption;
+use super::{Options, Usage};
 use crate::crosscheck::{Tolerances, crosscheck, json, table};
 use crate::provenance::scheme_name;
 use crate::read::{self, HduChoice, Image};
@@ -84,6 +84,9 @@ impl Limits {
 pub fn run(arguments: &Arguments) -> Result<()> {
     match (&arguments.from_vectors, &arguments.image) {
         (Some(folder), _) => replay(folder),
+        (None, Some(_)) if arguments.options.start_map().is_some() => {
+            bail!(Usage("the reference starts its front at the frame only: leave --start out"))
+        }
         (None, Some(path)) => {
             let image = read::image(path, arguments.hdu.as_ref())?;
             let configs = configs(&arguments.options);

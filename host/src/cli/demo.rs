@@ -5,6 +5,7 @@ use super::messages::Volume;
 use super::options::ArithmeticOption;
 use super::segment::segment_image;
 use crate::catalogue::Request;
+use crate::input::Input;
 use crate::read::{Header, Image};
 use crate::write::Entry;
 use crate::write::fits::Writer;
@@ -66,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !arguments.quiet {
         eprintln!("A simulated sky of {SIDE} x {SIDE} pixels with {} stars and galaxies (seed {SEED}).", sky.objects());
     }
-    segment_image(&Config::PAPER_F160, NAME, &image, products, &manner, volume)?;
+    segment_image(&Config::PAPER_F160, &Input::alone(NAME, image), products, &manner, volume)?;
     if !arguments.quiet {
         eprintln!(
             "Look at overlay.png first: the image with the outlines of the sources. stages.png shows how it came"

@@ -2,17 +2,16 @@
 
 use super::options::ArithmeticOption;
 use crate::catalogue::Request;
-use crate::outputs;
+use crate::input::Input;
+use crate::outputs::{self, Written};
 use crate::pipeline::Drive;
-use crate::read::Image;
+use crate::summary::Part;
 use crate::write::Products;
 use anyhow::{Context, Result};
 use serde_json::Value;
 use skyfront_core::config::Config;
 use skyfront_core::outcome::{Outcome, Progress};
-use skyfront_core::stage::Stage;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// In which numbers a run is made, and how its results are written.
 #[derive(Clone, Debug)]
@@ -34,7 +33,8 @@ pub struct Done {
     pub width: usize,
     pub height: usize,
     pub outcome: Outcome,
-    pub seconds: Vec<(Stage, Duration)>,
+    /// Time of each part.
+    pub parts: Vec<Part>,
     /// What summary.json holds.
     pub summary: Value,
     /// What a user must know about the catalogue.
@@ -54,33 +54,34 @@ pub fn plan(folder: &Path, manner: &Manner, more: &[&str]) -> Result<Products> {
 /// Segments an image, writes and publishes its products.
 pub fn process(
     config: &Config,
-    name: &str,
-    image: &Image,
+    input: &Input,
     mut products: Products,
     manner: &Manner,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Done> {
-    let mut drive =
-        Drive { keep_stages: manner.pictures, threads: manner.threads, watch: Some(watch), ..Drive::default() };
+    let mut drive = Drive {
+        background: input.detected.background.as_deref(),
+        noise: input.detected.noise.as_deref(),
+        start: input.start.as_ref(),
+        keep_stages: manner.pictures,
+        threads: manner.threads,
+        watch: Some(watch),
+        ..Drive::default()
+    };
     // Without pictures and outlines the front goes to its file as soon as it is there, and is not kept.
     let mut written = Ok(());
     let mut take = |front: &dyn Fn(usize) -> f32| {
-        written = outputs::write_front(&mut products, config, name, image, front);
+        written = outputs::write_front(&mut products, config, input, &manner.request, front);
     };
     if !manner.pictures && !manner.request.regions && !manner.request.polygons {
         drive.take_front = Some(&mut take);
     }
-    let run = manner.arithmetic.segment(config, image, &mut drive).with_context(|| name.to_owned())?;
+    let run = manner
+        .arithmetic
+        .segment(config, &input.detected.image, &mut drive)
+        .with_context(|| input.detected.name.clone())?;
     written?;
-    let (summary, warnings) = outputs::write(&mut products, config, name, image, &run, &manner.request)?;
+    let Written { summary, warnings, parts } = outputs::write(&mut products, config, input, &run, &manner.request)?;
     let files = products.publish()?;
-    Ok(Done {
-        width: run.width,
-        height: run.height,
-        outcome: run.outcome,
-        seconds: run.seconds,
-        summary,
-        warnings,
-        files,
-    })
+    Ok(Done { width: run.width, height: run.height, outcome: run.outcome, parts, summary, warnings, files })
 }

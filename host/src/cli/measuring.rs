@@ -34,6 +34,13 @@ pub struct Measuring {
     /// Outlines as outlines.json, in pixels and on the sky.
     #[arg(long, help_heading = "Catalogue")]
     polygons: bool,
+    /// The sky and the noise that the noise-aware segmentation found, as background.fits and noise.fits.
+    #[arg(long, help_heading = "Catalogue")]
+    sky_maps: bool,
+    /// The time at which the front came to each pixel as arrival.fits, in the paper's unit; for
+    /// the fast-marching scheme in f32.
+    #[arg(long, help_heading = "Front")]
+    arrival: bool,
 }
 
 impl Measuring {
@@ -53,6 +60,8 @@ impl Measuring {
             formats,
             regions: self.regions,
             polygons: self.polygons,
+            sky: self.sky_maps,
+            arrival: self.arrival,
         }
     }
 }

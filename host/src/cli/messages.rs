@@ -1,6 +1,7 @@
 //! What a run says on stderr.
 
 use super::job::Done;
+use crate::input::Input;
 use crate::provenance::shortest;
 use indicatif::{ProgressBar, ProgressStyle};
 use skyfront_core::config::Config;
@@ -58,10 +59,22 @@ pub fn report(config: &Config, name: &str, done: &Done, volume: Volume) -> Vec<S
         vec![format!("{name}: {} x {} pixels, {} sources; {how}", done.width, done.height, outcome.sources)];
     lines.extend(warnings(name, done));
     if volume == Volume::Verbose {
-        lines.extend(done.seconds.iter().map(|(stage, time)| {
-            let stage = format!("{stage:?}").to_lowercase();
-            format!("  {stage:14} {:9.4} s", time.as_secs_f64())
-        }));
+        lines.extend(done.parts.iter().map(|(part, time)| format!("  {part:15} {:9.4} s", time.as_secs_f64())));
+    }
+    lines
+}
+
+/// What is to be known about the files of a run before it starts.
+pub fn about_input(input: &Input, volume: Volume) -> Vec<String> {
+    let observed = [Some(&input.detected), input.measured.as_ref()].into_iter().flatten();
+    let warnings = observed.flat_map(|one| one.image.warnings.iter().map(move |text| (&one.name, text)));
+    let mut lines: Vec<String> = warnings.map(|(name, text)| format!("warning: {name}: {text}")).collect();
+    let (name, removed) = (&input.detected.name, input.removed);
+    if removed > 0 {
+        lines.push(format!("{name}: mask and weight map take {removed} pixels away"));
+    }
+    if volume == Volume::Quiet {
+        lines.clear();
     }
     lines
 }

@@ -3,6 +3,7 @@
 //! Results go to files, messages to stderr.
 
 mod batch;
+mod beside;
 mod budget;
 mod columns;
 mod crosscheck;
@@ -20,12 +21,14 @@ mod segment;
 mod settings;
 mod table;
 
+pub use beside::Beside;
 pub use demo::simulated;
 pub use measuring::Measuring;
 pub use options::Options;
 
 use anyhow::Result;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use skyfront_core::error::Error;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -78,8 +81,19 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
     obey(cli).unwrap_or_else(|error| {
         eprintln!("skyfront: {error:#}");
-        ExitCode::FAILURE
+        if is_usage(&error) { ExitCode::from(2) } else { ExitCode::FAILURE }
     })
+}
+
+/// Options that do not go together.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Usage(&'static str);
+
+/// Whether an error lies in the command line, not in the files.
+fn is_usage(error: &anyhow::Error) -> bool {
+    let refused = matches!(error.downcast_ref::<Error>(), Some(Error::Parameter { .. } | Error::Arithmetic { .. }));
+    refused || error.is::<Usage>()
 }
 
 fn obey(cli: Cli) -> Result<ExitCode> {

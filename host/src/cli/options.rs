@@ -1,7 +1,8 @@
 //! The options of a run, each with the paper's value as its default, and what they amount to.
 
+use crate::nothing;
 use crate::pipeline::{Drive, Segmentation, segment, segment_in};
-use crate::read::Image;
+use crate::read::{Image, Place};
 use clap::{Args, ValueEnum};
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::config::{
@@ -107,11 +108,13 @@ pub struct Options {
     #[arg(long, value_enum, help_heading = "Front")]
     pub stop: Option<StopOption>,
 
-    /// Where the front starts: at the frame's border, or near the objects, outside the pixels above
-    /// tau (without r3: above Otsu's threshold) [default: frame].
-    #[arg(long, value_enum, help_heading = "Front")]
+    /// Where the front starts: at the frame's border; near the objects, outside the pixels above
+    /// tau (without r3: above Otsu's threshold); or from a map: outside its pixels that are not 0,
+    /// or, if some are negative, from its values as front.fits holds them [default: frame].
+    #[arg(long, value_name = "frame|threshold|FILE[HDU]", value_parser = start, help_heading = "Front")]
     pub start: Option<StartOption>,
-    /// Pixels between the threshold's outline and the front that starts there [default: 4].
+    /// Pixels between the outline of the threshold or the map and the front that starts there
+    /// [default: 4].
     #[arg(long, help_heading = "Front")]
     pub margin: Option<f64>,
     /// Saturate the front at so many pixels, so that only its surroundings cost time; none is the
@@ -175,17 +178,18 @@ impl ArithmeticOption {
         }
     }
 
-    /// Segments in this arithmetic.
+    /// Segments in this arithmetic; an image in which nothing can stand out has no source.
     ///
     /// # Errors
     /// As [`segment_in`].
     pub fn segment(self, config: &Config, image: &Image, drive: &mut Drive<'_>) -> Result<Segmentation, Error> {
         let (pixels, width, height) = (&image.pixels, image.width, image.height);
-        match self {
-            ArithmeticOption::F32 => segment(config, pixels, width, height, drive),
-            ArithmeticOption::Q24 => segment_in::<Q24>(config, pixels, width, height, drive),
-            ArithmeticOption::Q11 => segment_in::<Q11>(config, pixels, width, height, drive),
-        }
+        let (run, name) = match self {
+            ArithmeticOption::F32 => (segment(config, pixels, width, height, drive), <F32>::NAME),
+            ArithmeticOption::Q24 => (segment_in::<Q24>(config, pixels, width, height, drive), Q24::NAME),
+            ArithmeticOption::Q11 => (segment_in::<Q11>(config, pixels, width, height, drive), Q11::NAME),
+        };
+        run.or_else(|refused| nothing::found(refused, image, name, drive))
     }
 }
 
@@ -263,11 +267,14 @@ pub enum SchemeOption {
 }
 
 /// `--start`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs, reason = "the names are the documentation")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum StartOption {
+    /// At the frame's border.
     Frame,
+    /// Near the objects.
     Threshold,
+    /// Where a map says.
+    Map(Place),
 }
 
 /// `--band`.
@@ -308,6 +315,14 @@ fn band(text: &str) -> Result<BandOption, String> {
     }
 }
 
+fn start(text: &str) -> Result<StartOption, String> {
+    Ok(match text {
+        "frame" => StartOption::Frame,
+        "threshold" => StartOption::Threshold,
+        file => StartOption::Map(Place::new(file)),
+    })
+}
+
 fn tau(text: &str) -> Result<TauOption, String> {
     match text {
         "otsu" => Ok(TauOption::Otsu),
@@ -327,6 +342,18 @@ impl Options {
             _ => config.min_area,
         };
         Config { detection: detection.map(|detection| Detection { min_area, ..detection }), min_area, ..config }
+    }
+
+    /// The map from which the front starts, and its margin in pixels.
+    pub fn start_map(&self) -> Option<(Place, f32)> {
+        match &self.start {
+            Some(StartOption::Map(place)) => Some((place.clone(), self.margin())),
+            _ => None,
+        }
+    }
+
+    fn margin(&self) -> f32 {
+        real(self.margin, 4.0)
     }
 
     fn steps(&self) -> Config {
@@ -372,9 +399,10 @@ impl Options {
                 StopOption::Paper => Stop::Paper,
                 StopOption::Rate => Stop::Rate,
             }),
-            start: match (self.start, preset.start) {
+            start: match (&self.start, preset.start) {
                 (Some(StartOption::Frame), _) => Start::Frame,
-                (Some(StartOption::Threshold), _) => Start::Threshold { margin: real(self.margin, 4.0) },
+                (Some(StartOption::Threshold), _) => Start::Threshold { margin: self.margin() },
+                (Some(StartOption::Map(_)), _) => Start::Given,
                 (None, Start::Threshold { margin }) => Start::Threshold { margin: real(self.margin, margin) },
                 (None, start) => start,
             },

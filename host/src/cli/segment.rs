@@ -1,16 +1,19 @@
 //! `skyfront segment`: images in; segmentation maps, catalogues and pictures out.
 
 use super::job::{Done, Manner, plan, process};
-use super::messages::{Volume, progress_bar, report, show};
-use super::{Measuring, Options, batch};
-use crate::read::{self, HduChoice, Image};
+use super::messages::{Volume, about_input, progress_bar, report, show};
+use super::options::ArithmeticOption;
+use super::{Beside, Measuring, Options, Usage, batch};
+use crate::input::Input;
+use crate::read::{self, HduChoice};
 use crate::write::Products;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Scheme};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -26,6 +29,8 @@ pub struct Arguments {
     hdu: Option<HduChoice>,
     #[command(flatten)]
     options: Options,
+    #[command(flatten)]
+    beside: Beside,
     #[command(flatten)]
     measuring: Measuring,
     /// Leave out stages.png, overlay.png and report.html.
@@ -69,22 +74,31 @@ impl Arguments {
         Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
     }
 
-    /// Reads an image as it is wanted.
-    pub fn read(&self, image: &Path) -> Result<Image> {
-        Ok(read::image(image, self.hdu.as_ref())?)
+    /// Reads an image as it is wanted, with the maps that come with it.
+    pub fn read(&self, path: &Path) -> Result<Input> {
+        let started = Instant::now();
+        let image = read::image(path, self.hdu.as_ref())?;
+        let input = self.beside.maps(&self.options).over(&path.display().to_string(), image)?;
+        Ok(Input { reading: started.elapsed(), ..input })
     }
 }
 
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let config = arguments.options.config();
     arguments.options.arithmetic.validate(&config)?;
+    let marches = config.scheme == Scheme::FastMarching && arguments.options.arithmetic == ArithmeticOption::F32;
+    if arguments.manner().request.arrival && !marches {
+        bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));
+    }
+    if arguments.manner().request.sky && config.detection.is_none() {
+        bail!(Usage("--sky-maps needs the noise-aware segmentation: only there sky and noise are mapped"));
+    }
     match arguments.images.as_slice() {
         [path] => {
-            let image = arguments.read(path)?;
+            let input = arguments.read(path)?;
             let manner = arguments.manner();
             let products = plan(&arguments.out, &manner, &[])?;
-            let name = path.display().to_string();
-            let done = segment_image(&config, &name, &image, products, &manner, arguments.volume())?;
+            let done = segment_image(&config, &input, products, &manner, arguments.volume())?;
             if arguments.json {
                 println!("{:#}", done.summary);
             }
@@ -97,19 +111,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
 /// Segments a single image and says what was done.
 pub fn segment_image(
     config: &Config,
-    name: &str,
-    image: &Image,
+    input: &Input,
     products: Products,
     manner: &Manner,
     volume: Volume,
 ) -> Result<Done> {
-    if volume > Volume::Quiet {
-        for warning in &image.warnings {
-            eprintln!("warning: {name}: {warning}");
-        }
-    }
+    let name = &input.detected.name;
+    about_input(input, volume).iter().for_each(|line| eprintln!("{line}"));
     let bar = progress_bar(u64::from(config.max_steps()), "steps", volume);
-    let done = process(config, name, image, products, manner, &mut |progress| show(&bar, progress));
+    let done = process(config, input, products, manner, &mut |progress| show(&bar, progress));
     bar.finish_and_clear();
     let done = done?;
     for line in report(config, name, &done, volume) {

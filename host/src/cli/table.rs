@@ -21,8 +21,8 @@ impl Row {
         match self.result.as_ref().ok().map(|summary| &summary[column]) {
             Some(Value::String(text)) => text.clone(),
             Some(Value::Number(number)) if number.is_f64() => rounded(number.as_f64().unwrap_or(f64::NAN)),
+            None | Some(Value::Null) => String::new(),
             Some(value) => value.to_string(),
-            None => String::new(),
         }
     }
 
@@ -70,7 +70,8 @@ pub fn lines(rows: &[Row]) -> Vec<String> {
     const SHOWN: [&str; 5] = ["width", "height", "n_sources", "stop", "t"];
     let header = ["image", "width", "height", "sources", "stop", "t"].map(str::to_owned).to_vec();
     let cells = rows.iter().map(|row| {
-        let facts = SHOWN.map(|column| row.value(column));
+        let facts =
+            SHOWN.map(|column| Some(row.value(column)).filter(|text| !text.is_empty()).unwrap_or("-".to_owned()));
         let mut cells = vec![row.image.clone()];
         cells.extend(if row.result.is_ok() { facts } else { ["-", "-", "-", "failed", "-"].map(str::to_owned) });
         cells

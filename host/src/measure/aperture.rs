@@ -4,6 +4,11 @@ use super::overlap::circle_polygon;
 use super::{Flux, Scene};
 use skyfront_core::flags;
 
+/// The length of a vector; its parts are pixels, far from any overflow.
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 /// An ellipse, in pixels that count from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aperture {
@@ -15,65 +20,76 @@ pub struct Aperture {
     pub a: f64,
     /// The other semi-axis.
     pub b: f64,
-    /// From the x axis towards y, radians.
-    pub theta: f64,
+    /// Sine and cosine of the angle from the x axis towards y.
+    direction: (f64, f64),
 }
 
 impl Aperture {
     /// A circle.
     pub fn circle(x: f64, y: f64, radius: f64) -> Aperture {
-        Aperture { x, y, a: radius, b: radius, theta: 0.0 }
+        Aperture { x, y, a: radius, b: radius, direction: (0.0, 1.0) }
+    }
+
+    /// An ellipse around (x, y) with the semi-axes (a, b), the first in the direction `theta` from
+    /// the x axis towards y, radians.
+    pub fn ellipse((x, y): (f64, f64), (a, b): (f64, f64), theta: f64) -> Aperture {
+        Aperture { x, y, a, b, direction: libm::sincos(theta) }
     }
 
     /// Calls `each` with column, row, the distance of the pixel's centre in units of the
     /// semi-axes, and the share of the pixel inside, for every pixel of the image that has one;
     /// whether the bounding box lies within the image.
-    fn visit(&self, width: usize, height: usize, mut each: impl FnMut(usize, f64, f64)) -> bool {
-        let (sin, cos) = self.theta.sin_cos();
-        let unit = |x: f64, y: f64| ((x * cos + y * sin) / self.a, (y * cos - x * sin) / self.b);
-        let (wide, high) = ((self.a * cos).hypot(self.b * sin), (self.a * sin).hypot(self.b * cos));
+    pub(super) fn visit(&self, width: usize, height: usize, mut each: impl FnMut(usize, f64, f64)) -> bool {
+        let (sin, cos) = self.direction;
+        let (wide, high) = (length(self.a * cos, self.b * sin), length(self.a * sin, self.b * cos));
         let range = |centre: f64, half: f64, n: usize| {
             let (low, high) = ((centre - half + 0.5).floor(), (centre + half + 0.5).ceil());
             (low.max(0.0) as usize..(high.max(0.0) as usize).min(n), low >= 0.0 && high <= n as f64)
         };
         let ((columns, inside_x), (rows, inside_y)) = (range(self.x, wide, width), range(self.y, high, height));
-        // No corner of a pixel is farther from its centre, in units of the semi-axes.
-        let reach = 0.5f64.sqrt() / self.a.min(self.b);
         for row in rows {
             let dy = row as f64 - self.y;
             for column in columns.clone() {
-                let dx = column as f64 - self.x;
-                let (u, v) = unit(dx, dy);
-                let distance = u.hypot(v);
-                let share = if distance + reach <= 1.0 {
-                    1.0
-                } else if distance >= 1.0 + reach {
-                    continue;
-                } else {
-                    let corner = |x: f64, y: f64| unit(dx + x, dy + y);
-                    let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
-                    circle_polygon(&corners) * self.a * self.b
-                };
-                each(row * width + column, distance, share);
+                let (distance, share) = self.share(column as f64 - self.x, dy);
+                if share > 0.0 {
+                    each(row * width + column, distance, share);
+                }
             }
         }
         inside_x && inside_y
+    }
+
+    /// For a pixel at (dx, dy) from the centre: the distance of its centre in units of the
+    /// semi-axes, and the share of it that lies inside.
+    pub(super) fn share(&self, dx: f64, dy: f64) -> (f64, f64) {
+        let (sin, cos) = self.direction;
+        let unit = |x: f64, y: f64| ((x * cos + y * sin) / self.a, (y * cos - x * sin) / self.b);
+        // No corner of a pixel is farther from its centre, in units of the semi-axes.
+        let reach = std::f64::consts::FRAC_1_SQRT_2 / self.a.min(self.b);
+        let (u, v) = unit(dx, dy);
+        let distance = length(u, v);
+        let share = if distance + reach <= 1.0 {
+            1.0
+        } else if distance >= 1.0 + reach {
+            0.0
+        } else {
+            let corner = |x: f64, y: f64| unit(dx + x, dy + y);
+            let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
+            circle_polygon(&corners) * self.a * self.b
+        };
+        (distance, share)
     }
 
     /// Flux above the background within the aperture, and the flags it earns. Undefined pixels
     /// and those of sources other than `label` are left out.
     pub fn flux(&self, scene: &Scene<'_>, label: u32) -> (Flux, u32) {
         let (mut flux, mut variance, mut flags) = (0.0, 0.0, 0);
-        let complete = self.visit(scene.width, scene.height, |index, _, share| {
-            if share > 0.0 {
-                match scene.value_for(index, label) {
-                    Ok(value) => {
-                        flux += share * value;
-                        variance += share * scene.variance(index);
-                    }
-                    Err(flag) => flags |= flag,
-                }
+        let complete = self.visit(scene.width, scene.height, |index, _, share| match scene.value_for(index, label) {
+            Ok(value) => {
+                flux += share * value;
+                variance += share * scene.variance(index);
             }
+            Err(flag) => flags |= flag,
         });
         (scene.flux(flux, variance), flags | if complete { 0 } else { flags::APERTURE })
     }

@@ -28,12 +28,18 @@ const ROUNDS: usize = 5;
 /// From a median absolute deviation to a standard deviation, for Gaussian noise.
 const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 
-/// Background and noise of the pixels that belong to no source: median, and standard deviation
-/// from the median absolute deviation, after clipping; (0, 0) where there are no such pixels.
+/// Background and noise of the pixels that belong to no source, by [`clipped_scatter`].
 pub fn estimate(pixels: &[f32], labels: &[u32]) -> (f64, f64) {
-    let sky = || pixels.iter().zip(labels).filter(|(pixel, label)| **label == 0 && pixel.is_finite());
-    let step = sky().count().div_ceil(SAMPLE).max(1);
-    let mut sample: Vec<f64> = sky().step_by(step).map(|(&pixel, _)| f64::from(pixel)).collect();
+    let sky = pixels.iter().zip(labels).filter(|(_, label)| **label == 0);
+    clipped_scatter(sky.map(|(&pixel, _)| f64::from(pixel)))
+}
+
+/// Median of the finite values, and standard deviation from the median absolute deviation, after
+/// clipping; (0, 0) where there are no values.
+pub fn clipped_scatter(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let finite = || values.clone().filter(|value| value.is_finite());
+    let step = finite().count().div_ceil(SAMPLE).max(1);
+    let mut sample: Vec<f64> = finite().step_by(step).collect();
     sample.sort_unstable_by(f64::total_cmp);
     let mut sample = sample.as_slice();
     let (mut middle, mut sigma) = spread(sample);

@@ -5,17 +5,19 @@
 //! gain is known. Positions count from 0 here.
 
 mod aperture;
+mod growth;
 mod level;
 mod overlap;
 mod scene;
 mod shape;
 
 pub use aperture::Aperture;
-pub use level::{Level, estimate};
+pub use level::{Level, clipped_scatter, estimate};
 pub use scene::Scene;
-pub use shape::Shape;
+pub use shape::{Shape, Values};
 
 use crate::sky::Sky;
+use growth::Growth;
 use skyfront_core::catalog::Source;
 use skyfront_core::flags;
 
@@ -60,7 +62,7 @@ impl Flux {
     /// Magnitude and its error for a zero point; NaN where there is no flux.
     pub fn magnitude(&self, zero_point: f64) -> (f64, f64) {
         if self.value > 0.0 {
-            (zero_point - 2.5 * self.value.log10(), 2.5 / std::f64::consts::LN_10 * self.error / self.value)
+            (zero_point - 2.5 * libm::log10(self.value), 2.5 / std::f64::consts::LN_10 * self.error / self.value)
         } else {
             (f64::NAN, f64::NAN)
         }
@@ -74,6 +76,8 @@ pub struct Measured {
     pub source: Source,
     /// Centroid, moments and ellipse, above the background.
     pub shape: Shape,
+    /// The pixel values as they are.
+    pub values: Values,
     /// Flux of the segment.
     pub flux: Flux,
     /// Mean background under the source.
@@ -121,6 +125,7 @@ fn one(scene: &Scene<'_>, source: &Source, sums: &shape::Sums, extras: &Extras<'
     Measured {
         source: *source,
         shape,
+        values: sums.values(source),
         flux: sums.flux(scene),
         background,
         noise,
@@ -138,21 +143,24 @@ fn one(scene: &Scene<'_>, source: &Source, sums: &shape::Sums, extras: &Extras<'
 /// The ellipse of the second moments, enlarged to hold nearly all light.
 fn kron_aperture(scene: &Scene<'_>, shape: &Shape, label: u32) -> Aperture {
     let (a, b) = shape.wide_axes();
-    let times = |factor: f64| Aperture { x: shape.x, y: shape.y, a: factor * a, b: factor * b, theta: shape.theta };
+    let times = |factor: f64| Aperture::ellipse((shape.x, shape.y), (factor * a, factor * b), shape.theta);
     let moment = times(KRON_REACH).first_moment(scene, label).unwrap_or(0.0) * KRON_REACH;
     times((KRON.0 * moment).max(KRON.1))
 }
 
 /// The radius of the circle with half of a flux, at most `reach`.
 fn half_light(scene: &Scene<'_>, shape: &Shape, label: u32, reach: f64, total: f64) -> f64 {
-    let inside = |radius: f64| Aperture::circle(shape.x, shape.y, radius).flux(scene, label).0.value;
-    if total.is_nan() || total <= 0.0 || inside(reach) < 0.5 * total {
+    if total.is_nan() || total <= 0.0 {
+        return f64::NAN;
+    }
+    let growth = Growth::new(scene, label, (shape.x, shape.y), reach);
+    if growth.within(reach) < 0.5 * total {
         return f64::NAN;
     }
     let (mut low, mut high) = (0.0, reach);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if inside(middle) < 0.5 * total { low = middle } else { high = middle }
+        if growth.within(middle) < 0.5 * total { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }

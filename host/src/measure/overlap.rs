@@ -34,7 +34,7 @@ fn edge(from: Point, to: Point) -> f64 {
 
 /// Signed area of the unit circle between two directions.
 fn sector(from: Point, to: Point) -> f64 {
-    0.5 * cross(from, to).atan2(dot(from, to))
+    0.5 * libm::atan2(cross(from, to), dot(from, to))
 }
 
 fn dot(a: Point, b: Point) -> f64 {

@@ -38,6 +38,11 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// A pixel as it is.
+    pub(super) fn pixel(&self, index: usize) -> f32 {
+        self.pixels[index]
+    }
+
     /// The value above the background of a defined pixel.
     pub(super) fn value(&self, index: usize) -> Option<f64> {
         let value = f64::from(self.pixels[index]) - self.background.at(index);

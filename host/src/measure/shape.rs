@@ -8,6 +8,8 @@ use skyfront_core::flags;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
     area: f64,
+    defined: f64,
+    peak: Option<(f32, (u32, u32))>,
     flux: f64,
     variance: f64,
     background: f64,
@@ -18,6 +20,19 @@ pub struct Sums {
     first: (f64, f64),
     second: (f64, f64, f64),
     flags: u32,
+}
+
+/// What the pixels of a source hold, background included; NaN where none is defined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Values {
+    /// Their sum.
+    pub sum: f64,
+    /// Their mean.
+    pub mean: f64,
+    /// The greatest.
+    pub peak: f64,
+    /// Column and row of the first pixel with that value.
+    pub peak_at: (u32, u32),
 }
 
 /// Moments of a source: centroid in pixels from 0, second moments in pixels squared.
@@ -63,6 +78,11 @@ impl Sums {
         if scene.saturated(index) {
             self.flags |= flags::SATURATED;
         }
+        self.defined += 1.0;
+        let pixel = scene.pixel(index);
+        if self.peak.is_none_or(|(peak, _)| pixel > peak) {
+            self.peak = Some((pixel, (x as u32, y as u32)));
+        }
         self.flux += value;
         self.variance += scene.variance(index);
         self.background += scene.background.at(index);
@@ -81,6 +101,13 @@ impl Sums {
         self.second = (xx + weight * x * x, yy + weight * y * y, xy + weight * x * y);
     }
 
+    /// The pixel values; the peak of a source without any is at its first pixel.
+    pub fn values(&self, source: &Source) -> Values {
+        let sum = if self.defined > 0.0 { self.flux + self.background } else { f64::NAN };
+        let (peak, peak_at) = self.peak.unwrap_or((f32::NAN, (source.x0, source.y0)));
+        Values { sum, mean: sum / self.defined, peak: f64::from(peak), peak_at }
+    }
+
     /// Flux of the segment above the background.
     pub fn flux(&self, scene: &Scene<'_>) -> Flux {
         scene.flux(self.flux, self.variance)
@@ -90,7 +117,7 @@ impl Sums {
     /// of the pixels along its outline.
     pub fn levels(&self) -> (f64, f64, f64) {
         let mean = |sum: f64, n: f64| if n > 0.0 { sum / n } else { f64::NAN };
-        (mean(self.background, self.area), mean(self.noise, self.area), mean(self.edge, self.edge_pixels))
+        (mean(self.background, self.defined), mean(self.noise, self.defined), mean(self.edge, self.edge_pixels))
     }
 
     /// The flags of the pixels.
@@ -113,14 +140,14 @@ impl Sums {
         let yy = (yy / self.weight - dy * dy).max(0.0);
         let xy = xy / self.weight - dx * dy;
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = half.hypot(xy);
+        let spread = (half * half + xy * xy).sqrt();
         Shape {
             x: f64::from(source.x0) + dx,
             y: f64::from(source.y0) + dy,
             moments: (xx, yy, xy),
             a: (mean + spread).sqrt(),
             b: (mean - spread).max(0.0).sqrt(),
-            theta: if spread > 0.0 { 0.5 * xy.atan2(half) } else { 0.0 },
+            theta: if spread > 0.0 { 0.5 * libm::atan2(xy, half) } else { 0.0 },
         }
     }
 }

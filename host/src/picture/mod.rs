@@ -13,7 +13,7 @@ mod stretch;
 pub use canvas::Canvas;
 pub use contact::contact_sheet;
 pub use overlay::overlay;
-pub use stages::{STAGES, stage, stages};
+pub use stages::{captions, stage, stages};
 pub use stretch::Stretch;
 
 /// A colour, red, green, blue.

@@ -15,6 +15,7 @@ pub mod header;
 mod pgm;
 mod picture;
 mod pixels;
+mod place;
 mod png;
 mod source;
 mod tiles;
@@ -25,6 +26,7 @@ use std::path::Path;
 pub use choice::HduChoice;
 pub use error::{Fault, ReadError};
 pub use header::{Card, Header};
+pub use place::Place;
 
 use source::Source;
 

@@ -2,13 +2,14 @@
 
 use super::picture;
 use crate::catalogue::{Catalogue, Value as Cell};
+use crate::detection::shown;
+use crate::input::Input;
 use crate::outline::{Ring, rings};
-use crate::picture::{STAGES, stage};
+use crate::picture::{captions, stage};
 use crate::pipeline::{Segmentation, StagePlanes};
 use crate::provenance::{parameters, shortest};
-use crate::read::Image;
 use serde_json::{Value, json};
-use skyfront_core::config::{Config, Order, Rescale};
+use skyfront_core::config::{Config, Order, Rescale, Scheme};
 use skyfront_core::otsu::{BINS, Histogram};
 use skyfront_core::outcome::StopReason;
 use std::fmt::Write;
@@ -21,10 +22,8 @@ const POINTS: usize = 600;
 pub struct Subject<'a> {
     /// What was to be done.
     pub config: &'a Config,
-    /// Name of the file.
-    pub input: &'a str,
-    /// The image.
-    pub image: &'a Image,
+    /// The image, and what came with it.
+    pub input: &'a Input,
     /// The result.
     pub run: &'a Segmentation,
     /// Its sources as they were measured.
@@ -35,8 +34,9 @@ pub struct Subject<'a> {
 
 /// The data of the page.
 pub fn page_data(subject: &Subject<'_>) -> Value {
-    let Subject { config, input, image, run, catalogue, .. } = *subject;
-    let title = std::path::Path::new(input).file_name().map_or(input.into(), |name| name.to_string_lossy());
+    let Subject { config, input, run, catalogue, .. } = *subject;
+    let name = &input.detected.name;
+    let title = std::path::Path::new(name).file_name().map_or(name.into(), |name| name.to_string_lossy());
     let parameters: Vec<Value> = parameters(config)
         .iter()
         .map(|parameter| json!([parameter.name.replace('_', "-"), parameter.value.to_string()]))
@@ -46,7 +46,7 @@ pub fn page_data(subject: &Subject<'_>) -> Value {
         "width": run.width,
         "height": run.height,
         "facts": facts(subject),
-        "preview": picture::preview(&image.pixels, run.width, run.height),
+        "preview": picture::preview(&input.detected.image.pixels, run.width, run.height),
         "columns": columns(catalogue),
         "rows": rows(catalogue),
         "outlines": outlines(subject),
@@ -68,14 +68,16 @@ fn facts(subject: &Subject<'_>) -> Vec<Value> {
         fact("sources", json!(outcome.sources)),
         fact("pixels", json!(format!("{} × {}", subject.run.width, subject.run.height))),
         fact("pixels in sources", json!(outcome.mask_pixels)),
-        match outcome.reason {
+    ];
+    if subject.config.detection.is_none() {
+        facts.push(match outcome.reason {
             StopReason::Rest => fact("the front came to rest at", json!(format!("t = {t:.3}"))),
             StopReason::TimeLimit => {
                 json!({ "name": "the front was given up at", "value": format!("t = {t:.3}"), "alert": true })
             }
-        },
-        fact("steps", json!(outcome.steps)),
-    ];
+        });
+        facts.push(fact("steps", json!(outcome.steps)));
+    }
     if outcome.catalogued < outcome.sources {
         facts.push(alert("sources without room in the catalogue", outcome.sources - outcome.catalogued));
     }
@@ -139,24 +141,29 @@ fn trace(path: &mut String, ring: &Ring, height: usize) {
 
 /// The pictures of the stages.
 fn stages(subject: &Subject<'_>) -> Vec<Value> {
-    let notes = [
-        "pixel values between 0 and 1",
-        "contrast raised between sky and sources",
-        "noise smoothed away",
-        "dark where the front is held",
-        "blue where it has passed, outlined where it stopped",
-        "each source in a colour of its own",
-    ];
-    let shown = STAGES.iter().zip(notes).enumerate().filter_map(|(index, (name, note))| {
+    let shown = captions(subject.config).into_iter().enumerate().filter_map(|(index, (name, note))| {
         let canvas = stage(subject.run, subject.planes, index)?;
         Some(json!({ "name": name, "note": note, "image": picture::of_canvas(&canvas) }))
     });
     shown.collect()
 }
 
-/// The histogram of the image that is rescaled, and the threshold in it.
+/// The histogram of the image in which a threshold decides, and the threshold in it.
 fn histogram(subject: &Subject<'_>) -> Value {
     let planes = subject.planes;
+    if let Some(detection) = &subject.config.detection {
+        let mut histogram = Histogram::EMPTY;
+        planes.filtered.iter().for_each(|&value| histogram.add(value));
+        return json!({
+            "counts": histogram.0.as_slice(),
+            "from": shown::LEAST,
+            "to": shown::GREATEST,
+            "axis": "signal to noise",
+            "limit": shortest(detection.outline),
+            "limit_name": "outline",
+            "note": format!("The smoothed image in {BINS} bins, values beyond the ends in the first and the last one, with the level of the outlines."),
+        });
+    }
     let (plane, name) = match subject.config.order {
         Order::FilterFirst if !planes.filtered.is_empty() => (&planes.filtered, "filtered"),
         _ => (&planes.normalised, "normalised"),
@@ -168,13 +175,21 @@ fn histogram(subject: &Subject<'_>) -> Value {
     let threshold = if has_tau { "with the threshold τ" } else { "(this rescaling has no threshold)" };
     json!({
         "counts": histogram.0.as_slice(),
-        "tau": tau,
+        "from": 0,
+        "to": 1,
+        "axis": "value",
+        "limit": tau,
+        "limit_name": "τ",
         "note": format!("The {name} image in {BINS} bins {threshold}."),
     })
 }
 
 /// The change of every step against its time: the greatest of each stretch where there are many.
+/// Null where no front moved in steps.
 fn convergence(config: &Config, run: &Segmentation) -> Value {
+    if run.convergence.is_empty() || config.scheme == Scheme::FastMarching {
+        return Value::Null;
+    }
     let dt = shortest(config.dt);
     let stretch = run.convergence.len().div_ceil(POINTS).max(1);
     let points: Vec<Value> = run
@@ -200,24 +215,26 @@ fn convergence(config: &Config, run: &Segmentation) -> Value {
 
 /// Where the result comes from.
 fn provenance(subject: &Subject<'_>) -> Vec<Value> {
-    let Subject { input, image, run, .. } = *subject;
+    let Subject { input, run, .. } = *subject;
+    let image = &input.detected.image;
     let name = image.name.as_ref().map_or(String::new(), |name| format!(" ({name})"));
     let defined = run.outcome.extremes.defined as usize;
     let mut list = vec![
         json!(["program", concat!("skyfront ", env!("CARGO_PKG_VERSION"))]),
-        json!(["file", input]),
+        json!(["file", input.detected.name]),
         json!(["HDU", format!("{}{name}", image.hdu)]),
         json!(["CRC-32 of the file", format!("{:08x}", image.checksum)]),
         json!(["CRC-32 of the labels", format!("{:08x}", crate::summary::label_digest(&run.labels))]),
         json!(["undefined pixels", (run.width * run.height - defined).to_string()]),
         json!(["pixel values", format!("{} to {}", run.outcome.extremes.least, run.outcome.extremes.greatest)]),
     ];
+    list.extend(input.beside.iter().map(|map| json!([map.file, map.comment()])));
     let known = ["OBJECT", "TELESCOP", "INSTRUME", "FILTER", "DATE-OBS", "EXPTIME", "BUNIT"];
     list.extend(known.iter().filter_map(|keyword| {
         let value = image.header.text(keyword).or_else(|| image.real(keyword).map(|value| value.to_string()))?;
         Some(json!([keyword, value.trim()]))
     }));
-    let warnings = image.warnings.iter().cloned().chain(subject.catalogue.warnings());
+    let warnings = image.warnings.iter().chain(&run.remark).cloned().chain(subject.catalogue.warnings());
     list.extend(warnings.map(|warning| json!(["warning", warning])));
     list
 }

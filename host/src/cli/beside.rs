@@ -1,0 +1,59 @@
+//! The options that name maps beside the image.
+
+use super::Options;
+use crate::input::{Given, Maps, WeightType};
+use crate::read::Place;
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
+
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Maps beside the image (FILE or FILE[HDU], of the image's shape)")]
+pub struct Beside {
+    /// Bad pixels: those that are not 0 are left out, and sources beside them get the flag masked.
+    #[arg(long, value_name = "MAP", value_parser = place())]
+    mask: Option<Place>,
+    /// Sky of the image, a map or a number; a sky that is not given is measured.
+    #[arg(long, value_name = "MAP|LEVEL", value_parser = given(), allow_negative_numbers = true)]
+    background: Option<Given>,
+    /// Noise of the image, a map or a number; pixels without a positive finite value are left out.
+    #[arg(long, value_name = "MAP|LEVEL", value_parser = given(), requires = "weight_type")]
+    weight: Option<Given>,
+    /// What the values of weight maps are.
+    #[arg(long, value_enum, value_name = "TYPE")]
+    weight_type: Option<WeightType>,
+    /// Measure the sources in this image of the same pixels: fluxes, shapes, GAIN, SATURATE and
+    /// coordinates are its own.
+    #[arg(long, value_name = "IMAGE2", value_parser = place())]
+    measure: Option<Place>,
+    /// Sky of that image.
+    #[arg(long, value_name = "MAP|LEVEL", value_parser = given(), allow_negative_numbers = true, requires = "measure")]
+    measure_background: Option<Given>,
+    /// Noise of that image.
+    #[arg(long, value_name = "MAP|LEVEL", value_parser = given(), requires_all = ["measure", "weight_type"])]
+    measure_weight: Option<Given>,
+}
+
+impl Beside {
+    /// The maps, with that of the start.
+    pub fn maps(&self, options: &Options) -> Maps {
+        let weighed = |given: &Option<Given>| given.clone().zip(self.weight_type);
+        Maps {
+            mask: self.mask.clone(),
+            background: self.background.clone(),
+            weight: weighed(&self.weight),
+            measure: self.measure.clone(),
+            measure_background: self.measure_background.clone(),
+            measure_weight: weighed(&self.measure_weight),
+            start: options.start_map(),
+        }
+    }
+}
+
+/// Names of files are taken as they are, Unicode or not.
+fn place() -> impl TypedValueParser<Value = Place> {
+    PathBufValueParser::new().map(Place::new)
+}
+
+fn given() -> impl TypedValueParser<Value = Given> {
+    PathBufValueParser::new().map(Given::new)
+}

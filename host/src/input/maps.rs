@@ -1,0 +1,181 @@
+//! The maps that a command line names, read and checked against the image.
+
+use super::{Beside, Input, MapError, Observed, Reason, StartMap, WeightType};
+use crate::read::{Image, Place};
+use std::fmt;
+
+/// The maps of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Maps {
+    /// Pixels that must not be used: those that are not 0.
+    pub mask: Option<Place>,
+    /// Sky of the image that is segmented.
+    pub background: Option<Given>,
+    /// Its noise.
+    pub weight: Option<(Given, WeightType)>,
+    /// The image in which the sources are measured.
+    pub measure: Option<Place>,
+    /// Its sky.
+    pub measure_background: Option<Given>,
+    /// Its noise.
+    pub measure_weight: Option<(Given, WeightType)>,
+    /// Where the front starts, and its margin, pixels.
+    pub start: Option<(Place, f32)>,
+}
+
+/// A quantity of every pixel: one number, or a map.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Given {
+    /// The same for all.
+    Level(f32),
+    /// One value a pixel.
+    Map(Place),
+}
+
+impl Given {
+    /// A number where the text reads as one, else the name of a map.
+    pub fn new(text: impl Into<std::path::PathBuf>) -> Given {
+        let text = text.into();
+        let number = text.to_str().and_then(|text| text.parse().ok());
+        number.map_or_else(|| Given::Map(Place::new(text)), Given::Level)
+    }
+}
+
+impl fmt::Display for Given {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Given::Level(level) => level.fmt(f),
+            Given::Map(place) => place.fmt(f),
+        }
+    }
+}
+
+impl Maps {
+    /// Reads the maps and lays them over an image.
+    ///
+    /// # Errors
+    /// [`MapError`] for a map that cannot be read, has another shape or content than it must have,
+    /// or leaves nothing of the image.
+    pub fn over(&self, name: &str, image: Image) -> Result<Input, MapError> {
+        let before = defined(&image);
+        let mut loader = Loader { size: (image.width, image.height), beside: Vec::new() };
+        let mut input = Input::alone(name, image);
+        if let Some(place) = &self.measure {
+            let image = loader.image("measure", "SFMEAS", place)?;
+            input.measured = Some(Observed { name: place.to_string(), image, background: None, noise: None });
+        }
+        if let Some(place) = &self.mask {
+            let mask = loader.image("mask", "SFMASK", place)?;
+            mask_out(&mask, place, &mut input).map_err(|reason| MapError { option: "mask", reason })?;
+        }
+        let first = ("background", "SFBGMAP", &self.background, "weight", "SFWEIGHT", &self.weight);
+        let second = (
+            "measure-background",
+            "SFMBGMAP",
+            &self.measure_background,
+            "measure-weight",
+            "SFMWEIGH",
+            &self.measure_weight,
+        );
+        let observed = [Some(&mut input.detected), input.measured.as_mut()];
+        for (observed, (sky, sky_key, background, wht, wht_key, weight)) in observed.into_iter().zip([first, second]) {
+            let Some(observed) = observed else { continue };
+            if let Some(given) = background {
+                let plane = loader.plane(sky, sky_key, given)?;
+                remove(&mut observed.image, plane.iter().map(|level| !level.is_finite()));
+                left(&observed.image, given, "it is nowhere defined where the image is")
+                    .map_err(|reason| MapError { option: sky, reason })?;
+                observed.background = Some(plane);
+            }
+            if let Some((given, kind)) = weight {
+                let noise = kind.noise(&loader.plane(wht, wht_key, given)?, &observed.image);
+                remove(&mut observed.image, noise.iter().map(|sigma| sigma.is_nan()));
+                left(&observed.image, given, NO_WEIGHT).map_err(|reason| MapError { option: wht, reason })?;
+                observed.noise = Some(noise);
+            }
+        }
+        if let Some((place, margin)) = &self.start {
+            let map = loader.image("start", "SFSTMAP", place)?;
+            if !map.pixels.iter().any(|&value| value > 0.0) {
+                return Err(MapError { option: "start", reason: Reason::Empty(place.to_string()) });
+            }
+            input.start = Some(StartMap::of(&map.pixels, loader.size.0, *margin));
+        }
+        input.removed = before - defined(&input.detected.image);
+        input.beside = loader.beside;
+        Ok(input)
+    }
+}
+
+/// Why a weight map can leave nothing.
+const NO_WEIGHT: &str = "where its values are above 0 and finite, no pixel is defined; is --weight-type right?";
+
+/// Reads maps of one size and keeps account of them.
+struct Loader {
+    size: (usize, usize),
+    beside: Vec<Beside>,
+}
+
+impl Loader {
+    fn image(&mut self, option: &'static str, keyword: &'static str, place: &Place) -> Result<Image, MapError> {
+        let map = sized(place, self.size).map_err(|reason| MapError { option, reason })?;
+        self.beside.push(Beside { option, keyword, file: place.to_string(), checksum: Some(map.checksum) });
+        Ok(map)
+    }
+
+    fn plane(&mut self, option: &'static str, keyword: &'static str, given: &Given) -> Result<Vec<f32>, MapError> {
+        match given {
+            Given::Map(place) => Ok(self.image(option, keyword, place)?.pixels),
+            Given::Level(level) => {
+                self.beside.push(Beside { option, keyword, file: level.to_string(), checksum: None });
+                Ok(vec![*level; self.size.0 * self.size.1])
+            }
+        }
+    }
+}
+
+/// Reads a map of the image's size.
+fn sized(place: &Place, (image_width, image_height): (usize, usize)) -> Result<Image, Reason> {
+    let map = place.read()?;
+    let (width, height) = (map.width, map.height);
+    if (width, height) == (image_width, image_height) {
+        Ok(map)
+    } else {
+        Err(Reason::Shape { file: place.to_string(), width, height, image_width, image_height })
+    }
+}
+
+/// Takes masked pixels from both images. A mask holds flags; an image in its place would remove
+/// whatever is not exactly 0.
+fn mask_out(mask: &Image, place: &Place, input: &mut Input) -> Result<(), Reason> {
+    if let Some(at) = mask.pixels.iter().position(|value| value.is_finite() && value.fract() != 0.0) {
+        return Err(Reason::Content {
+            file: place.to_string(),
+            x: at % mask.width + 1,
+            y: at / mask.width + 1,
+            value: mask.pixels[at],
+            wanted: "a mask holds whole numbers: 0 for good, another for bad",
+        });
+    }
+    for observed in [Some(&mut input.detected), input.measured.as_mut()].into_iter().flatten() {
+        remove(&mut observed.image, mask.pixels.iter().map(|&value| value != 0.0));
+        left(&observed.image, place, "where it is 0, and 0 is a good pixel, no pixel is defined")?;
+    }
+    Ok(())
+}
+
+fn remove(image: &mut Image, bad: impl Iterator<Item = bool>) {
+    image.pixels.iter_mut().zip(bad).filter(|(_, bad)| *bad).for_each(|(pixel, _)| *pixel = f32::NAN);
+}
+
+fn defined(image: &Image) -> usize {
+    image.pixels.iter().filter(|pixel| pixel.is_finite()).count()
+}
+
+fn left(image: &Image, file: &impl fmt::Display, why: &'static str) -> Result<(), Reason> {
+    if image.pixels.iter().any(|pixel| pixel.is_finite()) {
+        Ok(())
+    } else {
+        Err(Reason::NothingLeft { file: file.to_string(), why })
+    }
+}

@@ -1,0 +1,71 @@
+//! Images in which nothing can stand out: constant ones, and those too small to have a sky.
+//!
+//! They are no error on the ground, where one of a thousand frames may be blank: the run has no
+//! source, and says why.
+
+use crate::pipeline::{Drive, Segmentation, StagePlanes};
+use crate::read::Image;
+use skyfront_core::error::Error;
+use skyfront_core::normalize::{Extremes, Range};
+use skyfront_core::outcome::{Outcome, StopReason};
+
+/// The run over an image that the core refused for this reason; the error again where it is a real one.
+///
+/// # Errors
+/// Whatever does not mean that the image has no source.
+pub fn found(
+    refused: Error,
+    image: &Image,
+    arithmetic: &'static str,
+    drive: &mut Drive<'_>,
+) -> Result<Segmentation, Error> {
+    let (width, height) = (image.width, image.height);
+    let remark = match refused {
+        Error::Constant { value } => format!("all pixels that decide equal {value}: nothing stands out"),
+        Error::Size { least, .. } if width < least || height < least => {
+            format!("{width} x {height} pixels are too few: sources need at least {least} x {least}")
+        }
+        real => return Err(real),
+    };
+    let mut extremes = Extremes::NONE;
+    image.pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
+    // The front has passed everywhere.
+    let passed = |_: usize| -1.0;
+    if let Some(take) = &mut drive.take_front {
+        take(&passed);
+    }
+    let kept = if drive.take_front.is_none() { width * height } else { 0 };
+    let flat = vec![0.0; if drive.keep_stages { width * height } else { 0 }];
+    Ok(Segmentation {
+        arithmetic,
+        width,
+        height,
+        labels: vec![0; width * height],
+        front: (0..kept).map(passed).collect(),
+        stages: drive.keep_stages.then(|| StagePlanes {
+            normalised: flat.clone(),
+            rescaled: Vec::new(),
+            filtered: flat.clone(),
+            edge: flat,
+        }),
+        convergence: Vec::new(),
+        sources: Vec::new(),
+        outcome: Outcome {
+            reason: StopReason::Rest,
+            steps: 0,
+            last_change: 0.0,
+            extremes,
+            range: Range { low: extremes.least, high: extremes.greatest },
+            tau: 0.0,
+            gradient: (0.0, 0.0),
+            mask_pixels: 0,
+            sources: 0,
+            catalogued: 0,
+            unlabelled: 0,
+            work: 0,
+        },
+        sky: None,
+        seconds: Vec::new(),
+        remark: Some(remark),
+    })
+}

@@ -6,6 +6,7 @@
 //! row before and the first label of its component.
 
 use crate::config::{Config, Filter, Normalize, Rescale, Scheme, Start, Tau};
+use crate::noise;
 use crate::select;
 use crate::stage::Stage;
 
@@ -14,10 +15,16 @@ pub fn passes(config: &Config, stage: Stage) -> u32 {
     match stage {
         Stage::LowPercentile | Stage::HighPercentile => match config.normalize {
             Normalize::Percentile { .. } => select::PASSES,
-            Normalize::MinMax => 0,
+            Normalize::MinMax | Normalize::Noise { .. } => 0,
         },
+        Stage::Sky if matches!(config.normalize, Normalize::Noise { .. }) => noise::PASSES,
+        Stage::Sky => 0,
         Stage::Median => select::PASSES,
-        Stage::Otsu => u32::from(matches!(config.rescale, Rescale::R3 { tau: Tau::Otsu, .. })),
+        Stage::Threshold => match config.rescale {
+            Rescale::R3 { tau: Tau::Otsu | Tau::Kapur | Tau::Rosin, .. } => 1,
+            Rescale::R3 { tau: Tau::Noise { .. }, .. } => noise::PASSES,
+            _ => 0,
+        },
         Stage::Rescale => u32::from(config.rescale != Rescale::None),
         Stage::Filter if config.filter == Filter::None => 0,
         Stage::Filter => u32::from(config.filter_steps),

@@ -16,13 +16,32 @@ pub enum Normalize {
         /// Becomes 1.
         high: f32,
     },
+    /// By sky and noise of the frame ([`crate::noise`]), clipped: neither a hot pixel nor a bright
+    /// star flattens the rest. A frame without noise is normalised by its extremes.
+    Noise {
+        /// The sky minus this many standard deviations becomes 0.
+        below: f32,
+        /// The sky plus this many standard deviations becomes 1.
+        above: f32,
+    },
 }
 
-/// Where `r3` changes from damping to amplifying.
+/// Where `r3` changes from damping to amplifying. All rules but a given value look at the image
+/// that is rescaled: the filtered one with [`Order::FilterFirst`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tau {
-    /// Otsu's threshold of the image that is rescaled (doi:10.1109/TSMC.1979.4310076).
+    /// Otsu's threshold (doi:10.1109/TSMC.1979.4310076), of a histogram of 256 bins over [0, 1] as
+    /// the next two.
     Otsu,
+    /// The greatest entropy of Kapur, Sahoo and Wong ([`crate::kapur`]).
+    Kapur,
+    /// Rosin's corner of a histogram with one peak ([`crate::rosin`]).
+    Rosin,
+    /// Sky plus `k` standard deviations of the noise ([`crate::noise`]), within [0, 1].
+    Noise {
+        /// Above 0, at most 1000.
+        k: f32,
+    },
     /// A given value in (0, 1).
     Value(f32),
 }
@@ -321,6 +340,12 @@ impl Config {
             at_most("high percentile", high, 100.0)?;
             above("high percentile", high, low)?;
         }
+        if let Normalize::Noise { below, above: bright } = self.normalize {
+            at_least("noise units below the sky", below, 0.0)?;
+            at_most("noise units below the sky", below, 1e6)?;
+            above("noise units above the sky", bright, 0.0)?;
+            at_most("noise units above the sky", bright, 1e6)?;
+        }
         match self.rescale {
             Rescale::None => {}
             Rescale::R1 { alpha } | Rescale::R2 { alpha } => {
@@ -329,9 +354,16 @@ impl Config {
             }
             Rescale::R3 { beta, tau } => {
                 at_least("beta", f32::from(beta), 1.0)?;
-                if let Tau::Value(tau) = tau {
-                    above("tau", tau, 0.0)?;
-                    below("tau", tau, 1.0)?;
+                match tau {
+                    Tau::Value(tau) => {
+                        above("tau", tau, 0.0)?;
+                        below("tau", tau, 1.0)?;
+                    }
+                    Tau::Noise { k } => {
+                        above("noise units of tau", k, 0.0)?;
+                        at_most("noise units of tau", k, 1e3)?;
+                    }
+                    Tau::Otsu | Tau::Kapur | Tau::Rosin => {}
                 }
             }
         }

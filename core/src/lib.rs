@@ -1,7 +1,7 @@
 //! Level-set segmentation of astronomical images for any processor.
 //!
 //! An image goes through the steps of Tozza and Falcone's Rescaling Segmentation Algorithm, one
-//! file a step: [`normalize`], [`rescale`] (with [`otsu`]), [`filter`], [`edge`], [`front`] and
+//! file a step: [`normalize`], [`rescale`] (with [`otsu`] and the other thresholds), [`filter`], [`edge`], [`front`] and
 //! [`scheme`] (until [`stop`]), [`label`], [`catalog`]. [`segmenter::Segmenter`] drives them all
 //! in slices of bounded work, in memory that the caller provides and whose size
 //! [`memory`] tells beforehand.
@@ -32,14 +32,17 @@ pub mod frame;
 pub mod front;
 #[cfg(feature = "hal")]
 pub mod hal;
+pub mod kapur;
 pub mod label;
 pub mod machine;
 pub mod march;
 pub mod memory;
+pub mod noise;
 pub mod normalize;
 pub mod otsu;
 pub mod outcome;
 pub mod rescale;
+pub mod rosin;
 pub mod scheme;
 pub mod segmenter;
 pub mod select;

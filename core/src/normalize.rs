@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Arithmetic, Real};
 use crate::machine::Task;
+use crate::noise::Estimate;
 
 /// The extremes and number of the defined pixels seen so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,12 @@ pub struct Range {
 }
 
 impl Range {
+    /// From the sky minus `below` to the sky plus `above` standard deviations of its noise; the
+    /// `extremes` where there is no noise.
+    pub fn around(sky: &Estimate, below: f32, above: f32, extremes: Range) -> Range {
+        if sky.noise > 0.0 { Range { low: sky.above(-below), high: sky.above(above) } } else { extremes }
+    }
+
     /// `(pixel - low) / (high - low)`, clipped to [0, 1]; `fill` for an undefined pixel.
     #[inline]
     pub fn apply(&self, pixel: f32, fill: f32) -> f32 {

@@ -1,5 +1,7 @@
 //! Otsu's threshold (doi:10.1109/TSMC.1979.4310076) from a histogram of constant size.
 
+use crate::config::Tau;
+
 /// Number of bins over [0, 1]; the last one holds 1 as well.
 pub const BINS: usize = 256;
 
@@ -17,6 +19,15 @@ impl Histogram {
         let bin = ((value * BINS as f32) as usize).min(BINS - 1);
         if let Some(count) = self.0.get_mut(bin) {
             *count = count.saturating_add(1);
+        }
+    }
+
+    /// The threshold of a rule that needs no more than a histogram; Otsu's for the others.
+    pub fn threshold(&self, rule: Tau) -> f32 {
+        match rule {
+            Tau::Kapur => self.kapur(),
+            Tau::Rosin => self.rosin(),
+            Tau::Otsu | Tau::Noise { .. } | Tau::Value(_) => self.otsu(),
         }
     }
 

@@ -5,6 +5,15 @@
 use crate::arithmetic::{Arithmetic, Exponent, Real};
 use crate::config::Rescale;
 use crate::machine::Task;
+use crate::noise::Estimate;
+
+/// The threshold `k` standard deviations above the sky, within [0, 1]. It is lowered by 2^-18 of
+/// itself: pixels of whole numbers often lie exactly there, and rounding must not decide about
+/// them, because `r3` lifts what is just above tau by its eighth root.
+pub fn noise_threshold(sky: &Estimate, k: f32) -> f32 {
+    let tau = sky.above(k) * (1.0 - 1.0 / 262_144.0);
+    if tau > 0.0 { if tau < 1.0 { tau } else { 1.0 } } else { 0.0 }
+}
 
 /// A rescaling with its constants.
 #[derive(Clone, Copy, Debug)]

@@ -56,10 +56,10 @@ impl Select {
         self.pass <= PASSES
     }
 
-    /// Counts one row of pixels; NaN and infinities do not count.
-    pub fn observe(&mut self, row: &[f32]) {
+    /// Counts pixels of a pass; NaN and infinities do not count.
+    pub fn observe(&mut self, pixels: impl Iterator<Item = f32>) {
         let shift = 24 - 8 * self.pass.min(3);
-        for &pixel in row.iter().filter(|pixel| pixel.is_finite()) {
+        for pixel in pixels.filter(|pixel| pixel.is_finite()) {
             let key = key(pixel);
             // The bytes above the one that is counted; the shift of the first pass would be 32.
             let agrees = self.pass == 0 || (key >> shift) >> 8 == self.prefix;
@@ -98,7 +98,7 @@ mod tests {
             let mut select = Select::new(rank);
             let mut found = None;
             for _ in 0..PASSES {
-                select.observe(&pixels);
+                select.observe(pixels.iter().copied());
                 found = select.end_pass();
             }
             assert_eq!(found.map(f32::to_bits), Some(f32::to_bits(expected)), "rank {rank}");

@@ -18,10 +18,10 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
-const STATE_WORDS: usize = 607;
+const STATE_WORDS: usize = 613;
 const SOURCE_WORDS: usize = 25;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will
@@ -106,6 +106,7 @@ pub fn config_digest(config: &Config) -> u32 {
     let (normalize, low, high) = match normalize {
         Normalize::MinMax => (0, 0.0, 0.0),
         Normalize::Percentile { low, high } => (1, low, high),
+        Normalize::Noise { below, above } => (2, below, above),
     };
     let (rescale, exponent, tau) = match rescale {
         Rescale::None => (0, 0.0, 0.0),
@@ -113,6 +114,9 @@ pub fn config_digest(config: &Config) -> u32 {
         Rescale::R2 { alpha } => (2, alpha, 0.0),
         Rescale::R3 { beta, tau: Tau::Otsu } => (3, f32::from(beta), 0.0),
         Rescale::R3 { beta, tau: Tau::Value(tau) } => (4, f32::from(beta), tau),
+        Rescale::R3 { beta, tau: Tau::Kapur } => (5, f32::from(beta), 0.0),
+        Rescale::R3 { beta, tau: Tau::Rosin } => (6, f32::from(beta), 0.0),
+        Rescale::R3 { beta, tau: Tau::Noise { k } } => (7, f32::from(beta), k),
     };
     let (filter, mu) = match filter {
         Filter::None => (0, 0.0),

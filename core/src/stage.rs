@@ -11,12 +11,14 @@ pub enum Stage {
     LowPercentile,
     /// The high percentile (four passes), where asked for.
     HighPercentile,
+    /// Sky and noise of the pixels (up to [`crate::noise::PASSES`] passes), where asked for.
+    Sky,
     /// The median, which stands in for undefined pixels (four passes), where there are any.
     Median,
     /// Pixels into the image plane.
     Normalize,
-    /// Otsu's histogram, where `r3` asks for it.
-    Otsu,
+    /// The threshold of `r3`, where a rule finds it: a histogram, or the noise of the image.
+    Threshold,
     /// Rescaling in place.
     Rescale,
     /// The filter, one pass a step.
@@ -61,13 +63,14 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order in which they are declared.
-    pub const ALL: [Stage; 26] = [
+    pub const ALL: [Stage; 27] = [
         Stage::Extremes,
         Stage::LowPercentile,
         Stage::HighPercentile,
+        Stage::Sky,
         Stage::Median,
         Stage::Normalize,
-        Stage::Otsu,
+        Stage::Threshold,
         Stage::Rescale,
         Stage::Filter,
         Stage::StartLevel,
@@ -106,10 +109,11 @@ impl Stage {
         match (self, order) {
             (Stage::Extremes, _) => Stage::LowPercentile,
             (Stage::LowPercentile, _) => Stage::HighPercentile,
-            (Stage::HighPercentile, _) => Stage::Median,
+            (Stage::HighPercentile, _) => Stage::Sky,
+            (Stage::Sky, _) => Stage::Median,
             (Stage::Median, _) => Stage::Normalize,
-            (Stage::Normalize, RescaleFirst) | (Stage::Filter, FilterFirst) => Stage::Otsu,
-            (Stage::Otsu, _) => Stage::Rescale,
+            (Stage::Normalize, RescaleFirst) | (Stage::Filter, FilterFirst) => Stage::Threshold,
+            (Stage::Threshold, _) => Stage::Rescale,
             (Stage::Normalize, FilterFirst) | (Stage::Rescale, RescaleFirst) => Stage::Filter,
             (Stage::Rescale, FilterFirst) | (Stage::Filter, RescaleFirst) => Stage::StartLevel,
             (Stage::StartLevel, _) => Stage::StartMark,
@@ -139,9 +143,10 @@ impl Stage {
             Stage::Extremes
                 | Stage::LowPercentile
                 | Stage::HighPercentile
+                | Stage::Sky
                 | Stage::Median
                 | Stage::Normalize
-                | Stage::Otsu
+                | Stage::Threshold
                 | Stage::Provisional
                 | Stage::Measure
         )

@@ -5,6 +5,7 @@ use crate::codec::Codec;
 use crate::config::Config;
 use crate::edge::GradientRange;
 use crate::march::March;
+use crate::noise::{self, Estimate};
 use crate::normalize::{Extremes, Range};
 use crate::otsu::Histogram;
 use crate::outcome::StopReason;
@@ -20,6 +21,7 @@ pub(crate) struct State<A: Arithmetic> {
     pub row: usize,
     pub extremes: Extremes,
     pub select: Select,
+    pub noise: Estimate,
     pub range: Range,
     pub fill: f32,
     pub histogram: Histogram,
@@ -47,6 +49,7 @@ impl<A: Arithmetic> State<A> {
             row: 0,
             extremes: Extremes::NONE,
             select: Select::new(0),
+            noise: Estimate::NONE,
             range: Range { low: 0.0, high: 1.0 },
             fill: 0.0,
             histogram: Histogram::EMPTY,
@@ -79,6 +82,7 @@ impl<A: Arithmetic> State<A> {
         codec.real(&mut self.extremes.greatest)?;
         codec.word(&mut self.extremes.defined)?;
         self.select.code(codec)?;
+        self.noise.code(codec)?;
         codec.real(&mut self.range.low)?;
         codec.real(&mut self.range.high)?;
         codec.real(&mut self.fill)?;
@@ -122,6 +126,7 @@ impl<A: Arithmetic> State<A> {
         let numbers = [self.range.low, self.range.high, self.fill, self.tau, self.last_change];
         let passes = match self.stage {
             Stage::LowPercentile | Stage::HighPercentile | Stage::Median => PASSES,
+            Stage::Sky | Stage::Threshold => noise::PASSES,
             Stage::Filter => u32::from(config.filter_steps),
             Stage::Evolve => config.max_steps(),
             Stage::March => u32::MAX,
@@ -137,6 +142,7 @@ impl<A: Arithmetic> State<A> {
             && self.gradient.least >= A::Real::ZERO
             && self.gradient.greatest >= A::Real::ZERO
             && self.select.is_sound()
+            && self.noise.is_sound(pixels)
             && self.march.is_sound(config.farthest(), pixels)
             && (self.row < height && self.pass < passes || self.stage == Stage::Done)
             && self.steps <= config.max_steps()

@@ -43,6 +43,7 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
             add("SFNORM", "normalize", "percentile".into());
             add("SFRANGE", "range", format!("{low},{high}").into());
         }
+        Normalize::Noise { below, above } => add("SFNORM", "normalize", format!("noise:{below},{above}").into()),
     }
     match config.rescale {
         Rescale::None => add("SFRESC", "rescale", "none".into()),
@@ -59,6 +60,9 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
             add("SFBETA", "beta", i64::from(beta).into());
             match tau {
                 Tau::Otsu => add("SFTAU", "tau", "otsu".into()),
+                Tau::Kapur => add("SFTAU", "tau", "kapur".into()),
+                Tau::Rosin => add("SFTAU", "tau", "rosin".into()),
+                Tau::Noise { k } => add("SFTAU", "tau", format!("noise:{k}").into()),
                 Tau::Value(value) => add("SFTAU", "tau", shortest(value).into()),
             }
         }

@@ -2,7 +2,7 @@
 
 use skyfront_core::arithmetic::{Arithmetic, Cell};
 use skyfront_core::catalog::Source;
-use skyfront_core::config::{Config, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Stop, Tau};
+use skyfront_core::config::{Config, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau};
 use skyfront_core::frame::Frame;
 use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::simulate::{Kind, Sky};
@@ -77,6 +77,13 @@ pub fn every_kind() -> Vec<Config> {
             .with_scheme(Scheme::SlCurvature),
         Config { rescale: Rescale::R3 { beta: 3, tau: Tau::Value(0.3) }, directions: 64, stop: Stop::Rate, ..base }
             .with_scheme(Scheme::Sl),
+        Config {
+            normalize: Normalize::Noise { below: 3.0, above: 20.0 },
+            rescale: Rescale::R3 { beta: 4, tau: Tau::Noise { k: 4.0 } },
+            order: Order::FilterFirst,
+            start: Start::Threshold { margin: 3.0 },
+            ..base
+        },
     ];
     configs.map(|config| Config { t_max: 24.5 * config.dt, ..config }).to_vec()
 }

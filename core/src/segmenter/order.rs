@@ -5,8 +5,10 @@ use crate::arithmetic::Arithmetic;
 use crate::catalog::Source;
 use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
+use crate::noise::Estimate;
 use crate::normalize::Range;
 use crate::outcome::StopReason;
+use crate::rescale;
 use crate::scheme::Evolve;
 use crate::select::Select;
 use crate::stage::Stage;
@@ -34,7 +36,25 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     _ => state.fill = value,
                 }
             }
-            Stage::Otsu | Stage::StartLevel => state.tau = state.histogram.otsu(),
+            Stage::Sky => {
+                if !state.noise.end_pass(&mut state.select) {
+                    return Ok(());
+                }
+                if let Normalize::Noise { below, above } = self.config.normalize {
+                    state.range = Range::around(&state.noise, below, above, state.range);
+                }
+            }
+            Stage::Threshold => match self.config.rescale {
+                Rescale::R3 { tau: Tau::Noise { k }, .. } => {
+                    if !state.noise.end_pass(&mut state.select) {
+                        return Ok(());
+                    }
+                    state.tau = rescale::noise_threshold(&state.noise, k);
+                }
+                Rescale::R3 { tau, .. } => state.tau = state.histogram.threshold(tau),
+                _ => {}
+            },
+            Stage::StartLevel => state.tau = state.histogram.otsu(),
             Stage::March if state.marching => return Ok(()),
             Stage::March => {
                 // The time of the last arrival, in steps.
@@ -69,6 +89,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             (Stage::HighPercentile, Normalize::Percentile { high, .. }) => {
                 state.select = Select::percentile(high, defined);
             }
+            (Stage::Sky | Stage::Threshold, _) => state.noise = Estimate::new(defined, &mut state.select),
             (Stage::Median, _) => state.select = Select::percentile(50.0, defined),
             (Stage::Normalize, _) => {
                 if state.range.low >= state.range.high {
@@ -107,8 +128,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::LowPercentile | Stage::HighPercentile => {
                 matches!(self.config.normalize, Normalize::Percentile { .. })
             }
+            Stage::Sky => matches!(self.config.normalize, Normalize::Noise { .. }),
             Stage::Median => (self.state.extremes.defined as usize) < self.width.saturating_mul(self.height),
-            Stage::Otsu => matches!(self.config.rescale, Rescale::R3 { tau: Tau::Otsu, .. }),
+            Stage::Threshold => {
+                matches!(self.config.rescale, Rescale::R3 { tau, .. } if !matches!(tau, Tau::Value(_)))
+            }
             Stage::Rescale => self.config.rescale != Rescale::None,
             Stage::StartLevel => starts_near && !matches!(self.config.rescale, Rescale::R3 { .. }),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => starts_near,

@@ -3,7 +3,7 @@
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::catalog::Source;
-use crate::config::{Filter, Start};
+use crate::config::{Filter, Rescale, Start, Tau};
 use crate::error::Error;
 use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
@@ -29,11 +29,18 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         }
         match state.stage {
             Stage::Extremes => state.extremes.observe(samples),
-            Stage::LowPercentile | Stage::HighPercentile | Stage::Median => state.select.observe(samples),
+            Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
+                state.select.observe(samples.iter().copied());
+            }
+            Stage::Sky => state.noise.observe(&mut state.select, samples.iter().copied()),
             Stage::Normalize => normalize::row::<A>(state.range, state.fill, samples, image),
-            Stage::Otsu => {
-                for (cell, _) in image.iter().zip(samples).filter(|(_, pixel)| pixel.is_finite()) {
-                    state.histogram.add(A::pixel(*cell).to_f32());
+            Stage::Threshold => {
+                let defined = image.iter().zip(samples).filter(|(_, pixel)| pixel.is_finite());
+                let values = defined.map(|(cell, _)| A::pixel(*cell).to_f32());
+                if let Rescale::R3 { tau: Tau::Noise { .. }, .. } = self.config.rescale {
+                    state.noise.observe(&mut state.select, values);
+                } else {
+                    values.for_each(|value| state.histogram.add(value));
                 }
             }
             Stage::Rescale => {

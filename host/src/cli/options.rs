@@ -26,8 +26,10 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t)]
     pub preset: Preset,
 
-    /// How pixel values become 0 to 1: by least and greatest, or by percentiles.
-    #[arg(long, value_enum, help_heading = "Rescaling")]
+    /// How pixel values become 0 to 1: minmax, percentile, or by the frame's sky and noise,
+    /// noise:LOW,HIGH, so many standard deviations below and above the sky [noise: 3,30].
+    #[arg(long, value_name = "minmax|percentile|noise[:LOW,HIGH]", value_parser = normalize,
+        help_heading = "Rescaling")]
     pub normalize: Option<NormalizeOption>,
     /// Percentiles that become 0 and 1 [default: 0.5,99.9].
     #[arg(long, value_name = "LO,HI", value_parser = pair, help_heading = "Rescaling")]
@@ -41,8 +43,9 @@ pub struct Options {
     /// Exponent of r3: 1, 2, 3, ... [default: 8].
     #[arg(long, help_heading = "Rescaling")]
     pub beta: Option<u16>,
-    /// Threshold of r3: otsu, or a value in (0, 1) on the scale of the normalised image.
-    #[arg(long, value_parser = tau, help_heading = "Rescaling")]
+    /// Threshold of r3: otsu, kapur or rosin from the histogram, noise:K for K standard deviations
+    /// above the sky, or a value in (0, 1), each of the image that is rescaled [default: otsu].
+    #[arg(long, value_name = "otsu|kapur|rosin|noise:K|VALUE", value_parser = tau, help_heading = "Rescaling")]
     pub tau: Option<TauOption>,
 
     /// Filter.
@@ -194,11 +197,14 @@ impl ArithmeticOption {
 }
 
 /// `--normalize`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs, reason = "the names are the documentation")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalizeOption {
+    /// By the extremes.
     Minmax,
+    /// By the percentiles of `--range`.
     Percentile,
+    /// By so many standard deviations below and above the sky.
+    Noise(f64, f64),
 }
 
 /// `--rescale`.
@@ -216,6 +222,12 @@ pub enum RescaleOption {
 pub enum TauOption {
     /// By Otsu's method.
     Otsu,
+    /// By Kapur's.
+    Kapur,
+    /// By Rosin's.
+    Rosin,
+    /// So many standard deviations above the sky.
+    Noise(f64),
     /// A given value.
     Value(f64),
 }
@@ -308,6 +320,16 @@ fn pair(text: &str) -> Result<(f64, f64), String> {
     Ok((number(low)?, number(high)?))
 }
 
+fn normalize(text: &str) -> Result<NormalizeOption, String> {
+    match (text, text.strip_prefix("noise:")) {
+        ("minmax", _) => Ok(NormalizeOption::Minmax),
+        ("percentile", _) => Ok(NormalizeOption::Percentile),
+        ("noise", _) => Ok(NormalizeOption::Noise(3.0, 30.0)),
+        (_, Some(units)) => pair(units).map(|(below, above)| NormalizeOption::Noise(below, above)),
+        _ => Err(format!("'{text}' is none of minmax, percentile, noise and noise:LOW,HIGH")),
+    }
+}
+
 fn band(text: &str) -> Result<BandOption, String> {
     match text {
         "none" => Ok(BandOption::None),
@@ -324,10 +346,15 @@ fn start(text: &str) -> Result<StartOption, String> {
 }
 
 fn tau(text: &str) -> Result<TauOption, String> {
-    match text {
-        "otsu" => Ok(TauOption::Otsu),
-        _ => text.parse().map(TauOption::Value).map_err(|_| format!("'{text}' is neither otsu nor a number")),
+    let number = |text: &str| text.parse::<f64>();
+    match (text, text.strip_prefix("noise:")) {
+        ("otsu", _) => Ok(TauOption::Otsu),
+        ("kapur", _) => Ok(TauOption::Kapur),
+        ("rosin", _) => Ok(TauOption::Rosin),
+        (_, Some(units)) => number(units).map(TauOption::Noise),
+        _ => number(text).map(TauOption::Value),
     }
+    .map_err(|_| format!("'{text}' is none of otsu, kapur, rosin, noise:K and a number"))
 }
 
 impl Options {
@@ -425,12 +452,13 @@ impl Options {
     fn normalize(&self, preset: &Config) -> Normalize {
         let (low, high) = match preset.normalize {
             Normalize::Percentile { low, high } => (low, high),
-            Normalize::MinMax => (0.5, 99.9),
+            Normalize::MinMax | Normalize::Noise { .. } => (0.5, 99.9),
         };
         let (low, high) = self.range.map_or((low, high), |(low, high)| (low as f32, high as f32));
         match self.normalize {
             Some(NormalizeOption::Minmax) => Normalize::MinMax,
             Some(NormalizeOption::Percentile) => Normalize::Percentile { low, high },
+            Some(NormalizeOption::Noise(below, above)) => Normalize::Noise { below: below as f32, above: above as f32 },
             None if self.range.is_some() => Normalize::Percentile { low, high },
             None => preset.normalize,
         }
@@ -446,6 +474,9 @@ impl Options {
         let beta = self.beta.unwrap_or(beta);
         let tau = self.tau.map_or(tau, |tau| match tau {
             TauOption::Otsu => Tau::Otsu,
+            TauOption::Kapur => Tau::Kapur,
+            TauOption::Rosin => Tau::Rosin,
+            TauOption::Noise(k) => Tau::Noise { k: k as f32 },
             TauOption::Value(value) => Tau::Value(value as f32),
         });
         let wanted = self.rescale.unwrap_or(match preset.rescale {

@@ -12,7 +12,7 @@ use crate::arithmetics::{self, Task, adapted};
 use crate::pipeline::{Drive, segment_in};
 use crate::reference::{ReferenceError, Stages, run};
 use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Rescale, Tau};
 use skyfront_core::error::Error;
 use skyfront_core::front::Front;
 use thiserror::Error as ThisError;
@@ -67,6 +67,17 @@ impl Tolerances {
                 centroid: 0.5,
             },
             _ => exact,
+        }
+    }
+
+    /// The same with more room where r3 takes its threshold from the noise or from a rule that puts it into the flank
+    /// of the sky: thousands of pixels lie next to tau there, where r3 turns a rounding of 1e-7 into 1e-3.
+    fn for_config(self, config: &Config) -> Tolerances {
+        match config.rescale {
+            Rescale::R3 { tau: Tau::Kapur | Tau::Rosin | Tau::Noise { .. }, .. } => {
+                Tolerances { rescaled: self.rescaled * 20.0, edge: self.edge * 20.0, front: self.front * 4.0, ..self }
+            }
+            _ => self,
         }
     }
 }
@@ -175,7 +186,7 @@ impl<F: Fn(Tolerances) -> Tolerances> Task for CheckTask<'_, F> {
         Ok(reference.map(|stages| Check {
             arithmetic: A::NAME,
             comparison: compare(self.pixels, &core, stages, unit),
-            tolerances: (self.tolerances)(Tolerances::of(A::NAME, self.pixels.len())),
+            tolerances: (self.tolerances)(Tolerances::of(A::NAME, self.pixels.len()).for_config(&config)),
         }))
     }
 }

@@ -11,10 +11,14 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
         normalize: match config.normalize {
             c::Normalize::MinMax => r::Normalize::MinMax,
             c::Normalize::Percentile { low, high } => r::Normalize::Percentile(decimal(low), decimal(high)),
+            c::Normalize::Noise { below, above } => r::Normalize::Noise(decimal(below), decimal(above)),
         },
         rescale: rescale(config.rescale),
         tau: match config.rescale {
             c::Rescale::R3 { tau: c::Tau::Value(tau), .. } => r::Tau::Value(decimal(tau)),
+            c::Rescale::R3 { tau: c::Tau::Noise { k }, .. } => r::Tau::Noise(decimal(k)),
+            c::Rescale::R3 { tau: c::Tau::Kapur, .. } => r::Tau::Kapur,
+            c::Rescale::R3 { tau: c::Tau::Rosin, .. } => r::Tau::Rosin,
             _ => r::Tau::Otsu,
         },
         order: match config.order {

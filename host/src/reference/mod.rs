@@ -31,6 +31,7 @@ mod rescale;
 mod segments;
 mod sl;
 mod sl_curvature;
+mod threshold;
 
 pub use edge::{gradient, gradient_range};
 pub use error::ReferenceError;
@@ -42,6 +43,7 @@ pub use parameters::{
 pub use plane::{Around, Plane};
 pub use rescale::{r1, r2, r3};
 pub use segments::{centroids, label};
+pub use threshold::{kapur, noise, rosin};
 
 /// Everything the algorithm computed on its way, row-major with row 0 first.
 #[derive(Clone, Debug)]

@@ -18,6 +18,10 @@ pub(super) fn normalize(
     let (low, high) = match how {
         Normalize::MinMax => (min, max),
         Normalize::Percentile(low, high) => (percentile(&sorted, low), percentile(&sorted, high)),
+        Normalize::Noise(below, above) => match sky(&sorted) {
+            (_, 0.0) => (min, max),
+            (level, noise) => (level - below * noise, level + above * noise),
+        },
     };
     if low >= high {
         return Err(ReferenceError::Constant);
@@ -29,6 +33,20 @@ pub(super) fn normalize(
         if v.is_finite() { level(v) } else { fill }
     });
     Ok((plane, (low, high)))
+}
+
+/// Level and noise of the sky among sorted levels: the median, and what the percentile one standard deviation below
+/// the middle of a normal distribution is less. Levels beyond 3 standard deviations above the sky are then left out,
+/// and both taken again, three times in all.
+pub(super) fn sky(sorted: &[f64]) -> (f64, f64) {
+    let mut kept = sorted;
+    let (mut level, mut noise) = (0.0, 0.0);
+    for _ in 0..3 {
+        level = percentile(kept, 50.0);
+        noise = level - percentile(kept, 15.865525);
+        kept = &sorted[..sorted.partition_point(|&v| v <= level + 3.0 * noise)];
+    }
+    (level, noise)
 }
 
 /// The percentile's lower nearest rank: a level of the image, nothing between two.

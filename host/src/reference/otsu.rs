@@ -3,13 +3,19 @@
 /// Bins over \[0, 1\].
 const BINS: usize = 256;
 
-/// The upper edge of the last background bin: the split of the 256-bin histogram with the largest variance between
-/// the two classes, the first of equals. 0 when all levels share a bin.
-pub fn otsu(levels: impl Iterator<Item = f64>) -> f64 {
+/// The histogram of levels in \[0, 1\].
+pub(super) fn histogram(levels: impl Iterator<Item = f64>) -> [u64; BINS] {
     let mut histogram = [0u64; BINS];
     for x in levels {
         histogram[((x * BINS as f64) as usize).min(BINS - 1)] += 1;
     }
+    histogram
+}
+
+/// The upper edge of the last background bin: the split of the 256-bin histogram with the largest variance between
+/// the two classes, the first of equals. 0 when all levels share a bin.
+pub fn otsu(levels: impl Iterator<Item = f64>) -> f64 {
+    let histogram = histogram(levels);
     let sum = |range: &[u64]| range.iter().sum::<u64>() as f64;
     let moment = |range: &[u64], first: usize| -> f64 {
         let bins = range.iter().zip(first..);

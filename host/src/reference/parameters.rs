@@ -9,6 +9,8 @@ pub enum Normalize {
     MinMax,
     /// Two percentiles in 0 ..= 100; levels beyond them are clipped.
     Percentile(f64, f64),
+    /// The sky minus and plus so many standard deviations of its noise; levels beyond them are clipped.
+    Noise(f64, f64),
 }
 
 /// Rescaling function of step 2.
@@ -38,6 +40,12 @@ pub enum Rescale {
 pub enum Tau {
     /// Otsu's method on the image r3 is applied to.
     Otsu,
+    /// The greatest entropy, on the same image.
+    Kapur,
+    /// The corner of its histogram.
+    Rosin,
+    /// So many standard deviations above its sky.
+    Noise(f64),
     /// A given value in (0, 1).
     Value(f64),
 }

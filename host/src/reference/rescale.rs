@@ -1,6 +1,6 @@
 //! Step 2: rescaling of the grey levels, properties A1 to A4 and A4_tau (erratum 5: strict inside (0, 1) only).
 
-use super::{Plane, Rescale, Tau, otsu};
+use super::{Plane, Rescale, Tau, kapur, noise, otsu, rosin};
 
 /// r1(x) = x^alpha.
 pub fn r1(x: f64, alpha: f64) -> f64 {
@@ -23,14 +23,14 @@ pub fn r3(x: f64, beta: f64, tau: f64) -> f64 {
 
 /// The threshold that the rescaling needs, if it needs one, from the defined pixels of `image`.
 pub(super) fn threshold(rescale: Rescale, tau: Tau, image: &Plane, defined: &[bool]) -> Option<f64> {
-    match (rescale, tau) {
-        (Rescale::R3 { .. }, Tau::Value(tau)) => Some(tau),
-        (Rescale::R3 { .. }, Tau::Otsu) => {
-            let levels = image.values().iter().zip(defined);
-            Some(otsu(levels.filter(|(_, seen)| **seen).map(|(&v, _)| v)))
-        }
-        _ => None,
-    }
+    let levels = image.values().iter().zip(defined).filter(|(_, seen)| **seen).map(|(&v, _)| v);
+    matches!(rescale, Rescale::R3 { .. }).then(|| match tau {
+        Tau::Value(tau) => tau,
+        Tau::Otsu => otsu(levels),
+        Tau::Kapur => kapur(levels),
+        Tau::Rosin => rosin(levels),
+        Tau::Noise(k) => noise(levels, k),
+    })
 }
 
 /// The rescaled image.

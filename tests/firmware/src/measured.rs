@@ -13,7 +13,7 @@ use skyfront_workload::run::run;
 /// Stages that are measured, and what they are called.
 const STAGES: [(Stage, &str); 9] = [
     (Stage::Normalize, "normalize"),
-    (Stage::Otsu, "otsu"),
+    (Stage::Threshold, "threshold"),
     (Stage::Rescale, "rescale"),
     (Stage::Filter, "filter"),
     (Stage::Gradient, "gradient"),

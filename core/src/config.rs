@@ -1,8 +1,8 @@
 //! What a run is to do: immutable, validated once, with the paper's values as defaults.
 
 use crate::arithmetic::{Arithmetic, Cell};
+use crate::detection::Detection;
 use crate::error::Error;
-use crate::significance::Detection;
 
 /// Step 1: how pixel values become numbers in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -226,7 +226,7 @@ pub struct Config {
     pub connectivity: Connectivity,
     /// Smaller components are dropped; pixels, at least 1.
     pub min_area: u32,
-    /// The noise-aware segmentation of [`crate::significance::detect`] in place of steps 1 to 6,
+    /// The noise-aware segmentation of [`crate::detect::detect`] in place of steps 1 to 6,
     /// or `None` for those steps, which are all that [`crate::segmenter::Segmenter`] does.
     pub detection: Option<Detection>,
 }

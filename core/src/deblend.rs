@@ -1,7 +1,7 @@
 //! Whose light is it: pixels that a source's mirror image does not explain become sources, and
 //! at a border each pixel goes to the source that has the most light there.
 
-use crate::significance::Detection;
+use crate::detection::{Detection, grown};
 use crate::tree::{Field, Region, neighbours};
 
 /// A pixel under examination.
@@ -20,26 +20,33 @@ fn centre_of(regions: &[Region], label: u32) -> (f32, f32) {
     regions.get((label as usize).wrapping_sub(1)).map_or((0.0, 0.0), |region| region.centre)
 }
 
-/// Opens the pixels with more than twice their host's mirrored light, and makes each connected
-/// group of them that is large enough a region. `queue` is as long as the plane. Gives the new number of
-/// regions.
+/// A pixel belongs to another source where it has more than this many times its host's mirrored light.
+const OTHER: f32 = 2.0;
+/// The same for a pixel that begins a new source.
+const NEW: f32 = 2.5;
+
+/// Opens the pixels that their host's mirrored light does not explain, and makes each connected
+/// group of them that is large enough a region. `noise` is that of a pixel without light, `photon`
+/// how it grows; `queue` is as long as the plane. Gives the new number of
+/// regions, and how many found no room in the table.
 pub fn reopen(
     field: Field<'_>,
-    noise: f32,
+    (noise, photon): (f32, f32),
     labels: &mut [u32],
     queue: &mut [u32],
     regions: &mut [Region],
     mut count: usize,
     setting: &Detection,
-) -> usize {
+) -> (usize, u32) {
+    let mut left_out = 0;
     for at in 0..labels.len() {
         let label = label_at(labels, at);
         if label == 0 {
             continue;
         }
         if let Some(host) = field.mirrored(centre_of(regions, label), at)
-            && field.at(at) > 2.0 * host
-            && field.at(at) - host > setting.excess * noise
+            && field.at(at) > NEW * host
+            && field.at(at) - host > setting.excess * noise * grown(photon, field.at(at))
             && let Some(cell) = labels.get_mut(at)
         {
             *cell |= OPEN;
@@ -74,7 +81,10 @@ pub fn reopen(
         if (group.len() as u32) < setting.reopened_area {
             continue;
         }
-        let Some(region) = regions.get_mut(count) else { continue };
+        let Some(region) = regions.get_mut(count) else {
+            left_out += 1;
+            continue;
+        };
         let (mut best, mut sum) = ((f32::NEG_INFINITY, 0), 0.0);
         for &at in group {
             let light = excess(field, centre, at as usize);
@@ -99,12 +109,12 @@ pub fn reopen(
             }
         }
     }
-    count
+    (count, left_out)
 }
 
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
-/// twice the other's mirrored light.
+/// [`OTHER`] times the other's mirrored light.
 pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps: u32) {
     for sweep in 0..sweeps {
         let mut changed = false;
@@ -123,7 +133,7 @@ pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps:
                 let light = |label: u32| regions.get(label as usize - 1).map_or(0.0, |region| region.sum);
                 let (bright, faint) = if light(best) >= light(other) { (best, other) } else { (other, best) };
                 if let Some(host) = field.mirrored(centre_of(regions, bright), at) {
-                    best = if field.at(at) > 2.0 * host { faint } else { bright };
+                    best = if field.at(at) > OTHER * host { faint } else { bright };
                 }
             }
             if best != own
@@ -146,6 +156,11 @@ pub fn straighten(labels: &mut [u32], before: &mut [u32], width: usize, steps: u
     for _ in 0..steps {
         before.iter_mut().zip(labels.iter()).for_each(|(before, label)| *before = *label);
         for (at, label) in labels.iter_mut().enumerate() {
+            // Most pixels lie inside: three neighbours of their own are enough to stay.
+            let inside = [at.wrapping_sub(1), at + 1, at.wrapping_sub(width)];
+            if inside.into_iter().all(|near| before.get(near) == Some(label)) {
+                continue;
+            }
             let (mut same, mut other, mut others) = (0, *label, 0);
             for near in neighbours(at, width, height) {
                 let near = label_at(before, near);

@@ -84,8 +84,8 @@ pub struct Mesh<'m> {
     cells: &'m mut [Sky],
     columns: usize,
     rows: usize,
-    width: usize,
-    height: usize,
+    /// Cells per pixel along each axis.
+    scale: (f32, f32),
 }
 
 /// Cells along an axis of `length` pixels.
@@ -106,6 +106,12 @@ pub const fn mesh_cells(width: usize, height: usize) -> usize {
 }
 
 impl<'m> Mesh<'m> {
+    /// The mesh of a frame that [`Mesh::measure`] left in `cells`.
+    pub fn over(cells: &'m mut [Sky], (width, height): (usize, usize)) -> Mesh<'m> {
+        let (columns, rows) = (cells_along(width), cells_along(height));
+        Mesh { cells, columns, rows, scale: (columns as f32 / width as f32, rows as f32 / height as f32) }
+    }
+
     /// Measures the sky of `pixels` (row-major, not finite = undefined) where `masked` is not
     /// above 0. `values` needs as many elements as the largest cell has pixels, `cells`
     /// [`mesh_cells`]. Cost: about twenty looks at each pixel.
@@ -118,7 +124,7 @@ impl<'m> Mesh<'m> {
     ) -> Mesh<'m> {
         let (columns, rows) = (cells_along(width), cells_along(height));
         let (cells, copy) = cells.split_at_mut_checked(columns * rows).unwrap_or((&mut [], &mut []));
-        let mut mesh = Mesh { cells, columns, rows, width, height };
+        let mut mesh = Mesh::over(cells, (width, height));
         for row in 0..rows {
             for column in 0..columns {
                 let (left, right) = (column * width / columns, (column + 1) * width / columns);
@@ -196,15 +202,15 @@ impl<'m> Mesh<'m> {
 
     /// Background and noise at a pixel.
     pub fn at(&self, x: usize, y: usize) -> Sky {
-        let place = |at: usize, cells: usize, length: usize| {
-            let place = (at as f32 + 0.5) * cells as f32 / length as f32 - 0.5;
+        let place = |at: usize, cells: usize, scale: f32| {
+            let place = (at as f32 + 0.5) * scale - 0.5;
             let place = if place > 0.0 { place } else { 0.0 };
             let first = (place as usize).min(cells.saturating_sub(2));
             let part = place - first as f32;
             (first, (first + 1).min(cells - 1), if part > 1.0 { 1.0 } else { part })
         };
-        let (left, right, part_x) = place(x, self.columns, self.width);
-        let (below, above, part_y) = place(y, self.rows, self.height);
+        let (left, right, part_x) = place(x, self.columns, self.scale.0);
+        let (below, above, part_y) = place(y, self.rows, self.scale.1);
         let blend = |value: fn(Sky) -> f32| {
             let row = |row: usize| {
                 value(Self::cell(self.cells, row * self.columns + left)) * (1.0 - part_x)

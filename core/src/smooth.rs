@@ -35,40 +35,87 @@ impl Weights {
         Weights { weights, radius }
     }
 
-    fn value(&self, at: usize, length: usize, sample: impl Fn(usize) -> f32) -> f32 {
-        let mut sum = sample(at) * self.weights.first().copied().unwrap_or(1.0);
-        for (distance, &weight) in self.weights.iter().enumerate().take(self.radius + 1).skip(1) {
-            let below = if at >= distance { at - distance } else { distance - at - 1 };
-            let above = if at + distance < length { at + distance } else { 2 * length - 1 - at - distance };
-            sum += weight * (sample(below.min(length - 1)) + sample(above.min(length - 1)));
-        }
-        sum
+    /// Smooths `from` into `to`, both W x H; `between` holds the plane smoothed along its rows.
+    /// Each sum begins with the centre and goes outwards. Cost: `4 radius` additions a pixel.
+    pub fn apply(&self, from: &[f32], between: &mut [f32], to: &mut [f32], width: usize) {
+        self.along_rows(from, between, width);
+        to.fill(0.0);
+        self.add_along_columns(between, to, width, 1.0);
     }
 
-    /// Smooths `from` into `to`, both W x H; `between` holds the plane smoothed along its rows.
-    /// Cost: `4 radius` additions a pixel.
-    pub fn apply(&self, from: &[f32], between: &mut [f32], to: &mut [f32], width: usize) {
-        for (row, out) in from.chunks_exact(width).zip(between.chunks_exact_mut(width)) {
-            for (x, out) in out.iter_mut().enumerate() {
-                *out = self.value(x, width, |x| row.get(x).copied().unwrap_or(0.0));
+    /// Adds to a plane `strength` times what smoothing takes from it: an unsharp mask.
+    pub fn sharpen(&self, plane: &mut [f32], between: &mut [f32], width: usize, strength: f32) {
+        self.along_rows(plane, between, width);
+        plane.iter_mut().for_each(|value| *value *= 1.0 + strength);
+        self.add_along_columns(between, plane, width, -strength);
+    }
+
+    /// The weights beside the centre with their distances.
+    fn sides(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.weights.into_iter().enumerate().take(self.radius + 1).skip(1)
+    }
+
+    fn along_rows(&self, from: &[f32], to: &mut [f32], width: usize) {
+        let [centre, ..] = self.weights;
+        for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
+            out.iter_mut().zip(row).for_each(|(out, value)| *out = centre * value);
+            for (distance, weight) in self.sides() {
+                let inner = width.saturating_sub(2 * distance);
+                if let (Some(left), Some(right)) = (row.get(..inner), row.get(width - inner..)) {
+                    add(out.get_mut(distance..distance + inner).unwrap_or(&mut []), left, right, weight);
+                }
+                let left_end = if inner > 0 { distance } else { width };
+                for x in (0..left_end).chain((left_end + inner).min(width)..width) {
+                    let [below, above] = mirrored(x, distance, width).map(|at| row.get(at).copied().unwrap_or(0.0));
+                    if let Some(out) = out.get_mut(x) {
+                        *out += weight * (below + above);
+                    }
+                }
             }
         }
+    }
+
+    fn add_along_columns(&self, from: &[f32], to: &mut [f32], width: usize, gain: f32) {
+        let [centre, ..] = self.weights;
         let height = from.len() / width;
+        let row = |y: usize| from.get(y * width..(y + 1) * width).unwrap_or(&[]);
         for (y, out) in to.chunks_exact_mut(width).enumerate() {
-            for (x, out) in out.iter_mut().enumerate() {
-                *out = self.value(y, height, |y| between.get(y * width + x).copied().unwrap_or(0.0));
+            out.iter_mut().zip(row(y)).for_each(|(out, value)| *out += gain * centre * value);
+            for (distance, weight) in self.sides() {
+                let [below, above] = mirrored(y, distance, height);
+                add(out, row(below), row(above), gain * weight);
             }
         }
     }
 }
 
-/// Standard deviation of a plane's noise where `masked` is not above 0, from the lower half of
-/// its values: sources are positive. `values` is as long as the plane.
-pub fn noise(plane: impl Iterator<Item = f32>, masked: &[f32], values: &mut [f32]) -> f32 {
+fn add(out: &mut [f32], left: &[f32], right: &[f32], weight: f32) {
+    for ((out, left), right) in out.iter_mut().zip(left).zip(right) {
+        *out += weight * (left + right);
+    }
+}
+
+/// The two places at a distance from `at`, mirrored at the ends of the axis.
+fn mirrored(at: usize, distance: usize, length: usize) -> [usize; 2] {
+    let below = if at >= distance { at - distance } else { distance - at - 1 };
+    let above = if at + distance < length { at + distance } else { (2 * length).saturating_sub(1 + at + distance) };
+    [below.min(length.saturating_sub(1)), above]
+}
+
+/// The most values from which the noise of a plane is taken.
+pub const SAMPLES: usize = 1 << 16;
+
+/// Standard deviation of the noise of `value(at)` for the pixels that `masked` has as not above 0,
+/// from the lower half of the values: sources are positive. Of large planes a sample, evenly
+/// spread, gives it to half a percent. `values` takes up to [`SAMPLES`].
+pub fn noise(value: impl Fn(usize) -> f32, masked: &[f32], values: &mut [f32]) -> f32 {
+    let room = values.len().clamp(1, SAMPLES);
     let mut count = 0;
-    for (value, _) in plane.zip(masked).filter(|(_, mask)| **mask <= 0.0) {
+    // An odd stride does not fall on the same columns in every row of an even width.
+    for (at, _) in masked.iter().enumerate().step_by(masked.len().div_ceil(room) | 1).filter(|(_, mask)| **mask <= 0.0)
+    {
         if let Some(out) = values.get_mut(count) {
-            *out = value;
+            *out = value(at);
             count += 1;
         }
     }

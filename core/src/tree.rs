@@ -4,7 +4,7 @@
 //! After Bijaoui and others; the test of significance follows the idea of MTObjects (Teeninga et
 //! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
 
-use crate::significance::Detection;
+use crate::detection::Detection;
 
 /// A region of the tree, in the end a source.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -101,17 +101,17 @@ pub fn root(parents: &mut [u32], mut at: u32) -> u32 {
 }
 
 /// Grows the regions of `order`, the pixels in use from the brightest down. `parents` holds
-/// [`NONE`] everywhere; `ids` gets the region of each root. Gives the number of regions; pixels
-/// for which no region was free stay out.
+/// [`NONE`] everywhere; `ids` gets the region of each root; `photon` is the photon noise. Gives the
+/// number of regions, and of peaks for which none was free: they stay out.
 pub fn grow(
     field: Field<'_>,
     order: &[u32],
     parents: &mut [u32],
     ids: &mut [u32],
     regions: &mut [Region],
-    setting: &Detection,
-) -> usize {
-    let mut count = 0;
+    (setting, photon): (&Detection, f32),
+) -> (usize, u32) {
+    let (mut count, mut left_out) = (0, 0);
     for &pixel in order {
         let at = pixel as usize;
         let value = field.at(at);
@@ -133,7 +133,10 @@ pub fn grow(
         }
         let id = |ids: &[u32], root: u32| ids.get(root as usize).map_or(usize::MAX, |&id| id as usize);
         if found == 0 {
-            let Some(region) = regions.get_mut(count) else { continue };
+            let Some(region) = regions.get_mut(count) else {
+                left_out += 1;
+                continue;
+            };
             *region = Region { peak: pixel, value, area: 1, sum: f64::from(value), ..Region::default() };
             if let (Some(parent), Some(id)) = (parents.get_mut(at), ids.get_mut(at)) {
                 (*parent, *id) = (pixel, count as u32);
@@ -148,7 +151,7 @@ pub fn grow(
         for &other in others {
             let (host_id, other_id) = (id(ids, host), id(ids, other));
             let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
-            if setting.stands_apart(field, &bright, &faint, value) {
+            if setting.stands_apart(field, [&bright, &faint], value, photon) {
                 continue;
             }
             if let Some(parent) = parents.get_mut(other as usize) {
@@ -173,5 +176,5 @@ pub fn grow(
             region.sum += f64::from(value);
         }
     }
-    count
+    (count, left_out)
 }

@@ -3,10 +3,11 @@
 use crate::background::SkyMaps;
 use crate::pipeline::{Drive, Segmentation, StagePlanes};
 use skyfront_core::catalog::Source;
+use skyfront_core::detect::{Known, Workspace, detect, regions};
+use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_core::normalize::{Extremes, Range};
 use skyfront_core::outcome::{Outcome, StopReason};
-use skyfront_core::significance::{Detection, Workspace, detect, regions};
 use skyfront_core::sky::{Sky, mesh_cells};
 use skyfront_core::stage::Stage;
 use skyfront_core::tree::Region;
@@ -22,16 +23,6 @@ pub mod shown {
     /// A signal-to-noise on the scale from black, 0, to white, 1.
     pub fn unit(value: &f32) -> f32 {
         ((value - LEAST) / (GREATEST - LEAST)).clamp(0.0, 1.0)
-    }
-}
-
-/// The image above the given sky, or else the measured one, in units of the given noise.
-fn even(pixels: &[f32], width: usize, background: Option<&[f32]>, noise: Option<&[f32]>) -> Vec<f32> {
-    let measured = if background.is_none() { SkyMaps::measure(pixels, &[], width).level } else { Vec::new() };
-    let above = pixels.iter().zip(background.unwrap_or(&measured)).map(|(&pixel, &level)| pixel - level);
-    match noise {
-        Some(noise) => above.zip(noise).map(|(value, &noise)| value / noise).collect(),
-        None => above.collect(),
     }
 }
 
@@ -60,9 +51,9 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         mesh: &mut mesh,
         regions: &mut table,
     };
-    let given = drive.background.is_some() || drive.noise.is_some();
-    let evened = given.then(|| even(pixels, width, drive.background, drive.noise));
-    let found = detect(evened.as_deref().unwrap_or(pixels), width, detection, &mut work)?;
+    // A noise map may be a weight map: it says how noisy pixels are beside each other.
+    let known = Known { background: drive.background, noise: drive.noise, relative: true };
+    let found = detect(pixels, width, &known, detection, &mut work)?;
     let sky = SkyMaps::measure_into(pixels, &masked, width, [fine, scratch]);
     let mut extremes = Extremes::NONE;
     pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
@@ -89,7 +80,7 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         mask_pixels: found.mask_pixels,
         sources: found.sources,
         catalogued: found.sources,
-        unlabelled: 0,
+        unlabelled: found.unlabelled,
         work: 0,
     };
     Ok(Segmentation {

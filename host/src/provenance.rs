@@ -31,9 +31,13 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
         add("SFOUTLIN", "outline", shortest(detection.outline).into());
         add("SFBRANCH", "branch", shortest(detection.branch).into());
         add("SFCONTR", "contrast", shortest(detection.contrast).into());
-        add("SFSIGNIF", "significance", shortest(detection.significance).into());
+        add("SFPEAK", "peak", shortest(detection.peak).into());
+        add("SFFALSE", "false_sources", shortest(detection.false_sources).into());
+        add("SFSHARE", "false_share", shortest(detection.false_share).into());
         add("SFLIGHT", "light", shortest(detection.light).into());
         add("SFEXCESS", "excess", shortest(detection.excess).into());
+        add("SFREOPEN", "reopened_area", i64::from(detection.reopened_area).into());
+        add("SFSHARP", "sharpening", shortest(detection.sharpening).into());
         add("SFMINAR", "min_area", i64::from(detection.min_area).into());
         return list;
     }

@@ -8,8 +8,8 @@ use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::config::{
     Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau,
 };
+use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
-use skyfront_core::significance::Detection;
 use std::path::PathBuf;
 
 /// What a run does; unset options take the preset's value.

@@ -1,0 +1,367 @@
+//! The noise-aware segmentation: sky, noise, smoothing, the tree of level sets, deblending and
+//! the cut on significance, with one setting for every kind of sky.
+//!
+//! All of it works on signal-to-noise, pixel values above the sky in units of a pixel's noise.
+//! A pixel belongs to a source where the smoothed image is above [`Detection::outline`]; smoothing
+//! is stronger where nothing significant is lost by it (Lepski's choice of scale).
+//! The run is one call, deterministic, single precision, with at most a fixed number of passes
+//! over the planes and one sort of the pixels in use.
+
+use crate::deblend::{compete, reopen, straighten};
+use crate::detection::Detection;
+use crate::error::Error;
+use crate::photon;
+use crate::significance::height;
+use crate::sky::{Mesh, Sky, median, mesh_cells};
+use crate::smooth::{SAMPLES, Weights, noise};
+use crate::spike::cleaned;
+use crate::tree::{Field, NONE, Region, grow, neighbours, root};
+
+/// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
+#[derive(Debug)]
+pub struct Workspace<'m> {
+    /// W x H: signal-to-noise, in the end.
+    pub signal: &'m mut [f32],
+    /// W x H: lightly smoothed, then the matched image.
+    pub fine: &'m mut [f32],
+    /// W x H: smoothed by need.
+    pub smooth: &'m mut [f32],
+    /// W x H: 1 near sources, 0 on sky.
+    pub masked: &'m mut [f32],
+    /// W x H: scratch.
+    pub scratch: &'m mut [f32],
+    /// W x H: the tree; scratch.
+    pub parents: &'m mut [u32],
+    /// W x H: pixels by brightness; queue.
+    pub order: &'m mut [u32],
+    /// W x H: the labels.
+    pub labels: &'m mut [u32],
+    /// [`mesh_cells`] of the frame: background and noise, in the end (see [`Mesh::over`]).
+    pub mesh: &'m mut [Sky],
+    /// As many as there may be peaks: [`regions`].
+    pub regions: &'m mut [Region],
+}
+
+/// Regions that a frame can need.
+pub const fn regions(width: usize, height: usize) -> usize {
+    width * height / 3 + 1
+}
+
+/// Bytes of a [`Workspace`]: eight planes (signal, fine, smooth, masked, scratch, parents, order,
+/// labels), the mesh and the regions.
+pub const fn bytes(width: usize, height: usize) -> usize {
+    8 * 4 * width * height + mesh_cells(width, height) * size_of::<Sky>() + regions(width, height) * size_of::<Region>()
+}
+
+/// What is known of the sky beforehand; what is not is measured on the image.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'a> {
+    /// W x H: the background, in units of the image. Where it is not finite, the pixel is undefined.
+    pub background: Option<&'a [f32]>,
+    /// W x H: the standard deviation of each pixel. Where it is not finite or not above 0, the
+    /// pixel is undefined.
+    pub noise: Option<&'a [f32]>,
+    /// Whether `noise` says only which pixels are noisier than others, as weight maps do: it is
+    /// then multiplied by one factor, so that it agrees with the noise that is measured.
+    pub relative: bool,
+}
+
+impl Known<'_> {
+    fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
+        map.and_then(|map| map.get(at).copied())
+    }
+
+    /// Whether the maps leave the pixel defined.
+    fn allows(&self, at: usize) -> bool {
+        Self::value(self.background, at).is_none_or(f32::is_finite)
+            && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
+    }
+}
+
+/// What a run found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Found {
+    /// Number of sources; labels run from 1 to this, in raster order of first pixels.
+    pub sources: u32,
+    /// Pixels of sources.
+    pub mask_pixels: u32,
+    /// Peaks for which the table of regions had no room: their pixels are in no source.
+    pub unlabelled: u32,
+    /// The cut on the peak in the matched image, in its noise.
+    pub significance: f32,
+    /// The photon noise of the image (see [`crate::photon`]).
+    pub photon: f32,
+}
+
+/// Times the sky is measured anew without the sources.
+const ROUNDS: u32 = 2;
+/// Scales of the smoothing for the tree, of the mask's growth, of the matched image and of the
+/// sharpening, pixels.
+const SCALES: [f32; 4] = [0.8, 2.0, 1.7, 1.5];
+/// Smoothing goes on where the change is below this, in its noise.
+const LEPSKI: f32 = 1.7;
+/// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
+/// for without them the sky would be biased low.
+const MASKED_PEAK: f32 = 3.5;
+/// Rounds of the cut on significance, which depends on the number of sources it leaves.
+const CUTS: u32 = 4;
+
+/// Segments `pixels` (row-major, not finite = undefined) into `work.labels`.
+///
+/// # Errors
+/// [`Error::Parameter`] of the setting, [`Error::Size`], [`Error::Length`] for memory or maps of
+/// another size, [`Error::NothingDefined`], or [`Error::Constant`] where there is no noise.
+pub fn detect(
+    pixels: &[f32],
+    width: usize,
+    known: &Known<'_>,
+    setting: &Detection,
+    work: &mut Workspace<'_>,
+) -> Result<Found, Error> {
+    let count = pixels.len();
+    setting.validate()?;
+    check(count, width, known, work)?;
+    let Some(&first) = pixels.iter().find(|pixel| pixel.is_finite()) else {
+        return Err(Error::NothingDefined { pixels: count });
+    };
+    work.masked.fill(0.0);
+    let mut fine_noise = 1.0;
+    for round in 0..=ROUNDS {
+        if !measure_signal(pixels, width, known, work) {
+            return Err(Error::Constant { value: first });
+        }
+        fine_noise = smooth(width, work);
+        if round < ROUNDS {
+            mask_sources(width, setting.outline, MASKED_PEAK * fine_noise, work);
+        }
+    }
+    let field = Field { values: work.signal, width };
+    let photon = photon::slope(field, work.fine, work.masked, work.scratch);
+    let unlabelled = separate((pixels, known), width, (fine_noise, photon), setting, work);
+    let (significance, least) = cut(width, setting, work);
+    let (sources, mask_pixels) = keep(setting, least, work);
+    Ok(Found { sources, mask_pixels, unlabelled, significance, photon })
+}
+
+fn check(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_>) -> Result<(), Error> {
+    let height = count.checked_div(width).unwrap_or(0);
+    if width == 0 || height == 0 || !count.is_multiple_of(width) || count > 1 << 30 {
+        return Err(Error::Size { width, height, least: 1, most_pixels: 1 << 30 });
+    }
+    let needed = mesh_cells(width, height);
+    if work.mesh.len() < needed {
+        return Err(Error::Length { name: "the mesh", given: work.mesh.len(), needed });
+    }
+    let floats = [&work.signal, &work.fine, &work.smooth, &work.masked, &work.scratch].map(|plane| plane.len());
+    let words = [&work.parents, &work.order, &work.labels].map(|plane| plane.len());
+    let maps = [known.background, known.noise].into_iter().flatten().map(<[f32]>::len);
+    match floats.into_iter().chain(words).chain(maps).find(|&given| given != count) {
+        Some(given) => Err(Error::Length { name: "a plane or map", given, needed: count }),
+        None => Ok(()),
+    }
+}
+
+/// Signal-to-noise of every pixel, spikes replaced; undefined pixels have none. Says whether there
+/// is any noise.
+fn measure_signal(pixels: &[f32], width: usize, known: &Known<'_>, work: &mut Workspace<'_>) -> bool {
+    let height = pixels.len() / width;
+    let mesh = Mesh::measure(pixels, work.masked, (width, height), work.mesh, work.scratch);
+    let mut factor = 1.0;
+    if known.relative {
+        let ratio = |at: usize| mesh.at(at % width, at / width).noise / Known::value(known.noise, at).unwrap_or(1.0);
+        factor = typical(ratio, pixels.len(), work.scratch);
+    }
+    let mut noise_seen = false;
+    for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
+        let sky = mesh.at(at % width, at / width);
+        let level = Known::value(known.background, at).unwrap_or(sky.level);
+        let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
+        let signal = (pixel - level) / noise;
+        let usable = known.allows(at) && noise > 0.0 && signal.is_finite();
+        noise_seen |= usable;
+        *out = if usable { signal } else { 0.0 };
+    }
+    let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
+    for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
+        let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
+        for (x, out) in out.iter_mut().enumerate() {
+            *out = cleaned(rows, x);
+        }
+    }
+    noise_seen
+}
+
+/// The median of the positive values of an evenly spread sample; 1 where there are none.
+fn typical(value: impl Fn(usize) -> f32, count: usize, values: &mut [f32]) -> f32 {
+    let stride = count.div_ceil(SAMPLES) | 1;
+    let mut used = 0;
+    for value in (0..count).step_by(stride).map(value).filter(|value| value.is_finite() && *value > 0.0) {
+        if let Some(out) = values.get_mut(used) {
+            *out = value;
+            used += 1;
+        }
+    }
+    if used == 0 { 1.0 } else { median(values.get_mut(..used).unwrap_or(&mut [])) }
+}
+
+/// Fills the fine and the smooth plane; gives the noise of the fine one.
+fn smooth(width: usize, work: &mut Workspace<'_>) -> f32 {
+    let [scale, ..] = SCALES;
+    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, width);
+    let fine = &*work.fine;
+    let value = |plane: &[f32], at: usize| plane.get(at).copied().unwrap_or(0.0);
+    let fine_noise = noise(|at| value(fine, at), work.masked, work.scratch);
+    Weights::SPLINE.apply(fine, work.scratch, work.smooth, width);
+    let detail = |at: usize| value(fine, at) - value(work.smooth, at);
+    let least = LEPSKI * noise(detail, work.masked, work.scratch);
+    for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
+        let change = if fine > *smooth { fine - *smooth } else { *smooth - fine };
+        if change >= least {
+            *smooth = fine;
+        }
+    }
+    fine_noise
+}
+
+/// Masks the sources that have a pixel above `peak` in the fine plane, and what is within about
+/// three pixels of them.
+fn mask_sources(width: usize, outline: f32, peak: f32, work: &mut Workspace<'_>) {
+    const SOURCE: f32 = 1.0;
+    const PERHAPS: f32 = 0.5;
+    for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
+        *fine = match (smooth > outline, *fine > peak) {
+            (true, true) => SOURCE,
+            (true, false) => PERHAPS,
+            _ => 0.0,
+        };
+    }
+    // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
+    let (marks, height) = (&mut *work.fine, work.signal.len() / width);
+    for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
+        let source = |at: usize| marks.get(at).is_some_and(|&mark| mark == SOURCE);
+        if marks.get(index).is_some_and(|&mark| mark == PERHAPS)
+            && neighbours(index, width, height).any(source)
+            && let Some(mark) = marks.get_mut(index)
+        {
+            *mark = SOURCE;
+        }
+    }
+    for mark in marks.iter_mut().filter(|mark| **mark < SOURCE) {
+        *mark = 0.0;
+    }
+    let [_, growth, ..] = SCALES;
+    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, width);
+    for cell in work.masked.iter_mut() {
+        *cell = if *cell > 0.08 { 1.0 } else { 0.0 };
+    }
+}
+
+/// The tree, and the sources of its regions; gives the number of peaks without a region.
+fn separate(
+    (pixels, known): (&[f32], &Known<'_>),
+    width: usize,
+    (noise, photon): (f32, f32),
+    setting: &Detection,
+    work: &mut Workspace<'_>,
+) -> u32 {
+    let [.., sharpness] = SCALES;
+    Weights::gauss(sharpness).sharpen(work.fine, work.scratch, width, setting.sharpening);
+    let field = Field { values: work.fine, width };
+    let mut used = 0;
+    for (at, (&smooth, pixel)) in (0u32..).zip(work.smooth.iter().zip(pixels)) {
+        let inside = smooth > setting.outline && pixel.is_finite() && known.allows(at as usize);
+        if let (true, Some(place)) = (inside, work.order.get_mut(used)) {
+            *place = at;
+            used += 1;
+        }
+    }
+    let order = work.order.get_mut(..used).unwrap_or(&mut []);
+    order.sort_unstable_by(|&a, &b| field.at(b as usize).total_cmp(&field.at(a as usize)).then(a.cmp(&b)));
+    work.parents.fill(NONE);
+    let (mut count, mut left_out) = grow(field, order, work.parents, work.labels, work.regions, (setting, photon));
+    for region in work.regions.iter_mut().take(count) {
+        region.centre = field.centre(region.peak as usize);
+    }
+    // The identity of a root is read through the order plane before the labels are written.
+    for at in order.iter() {
+        let root = root(work.parents, *at);
+        if let Some(cell) = work.parents.get_mut(*at as usize) {
+            *cell = root;
+        }
+    }
+    for at in 0..pixels.len() {
+        let root = work.parents.get(at).copied().unwrap_or(NONE);
+        let id = work.labels.get(root as usize).copied().unwrap_or(NONE);
+        if let Some(place) = work.order.get_mut(at) {
+            let large = work.regions.get(id as usize).is_some_and(|region| region.area >= 3);
+            *place = if root != NONE && large { id + 1 } else { 0 };
+        }
+    }
+    work.labels.iter_mut().zip(work.order.iter()).for_each(|(label, id)| *label = *id);
+    for _ in 0..2 {
+        let (now, more) = reopen(field, (noise, photon), work.labels, work.order, work.regions, count, setting);
+        (count, left_out) = (now, left_out + more);
+    }
+    compete(field, work.labels, work.regions, 4);
+    straighten(work.labels, work.order, width, 2);
+    left_out
+}
+
+/// The cut on the peak in the matched image: in units of its noise, and of the signal.
+fn cut(width: usize, setting: &Detection, work: &mut Workspace<'_>) -> (f32, f32) {
+    let [_, _, scale, _] = SCALES;
+    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, width);
+    let matched = |at: usize| work.fine.get(at).copied().unwrap_or(0.0);
+    let matched_noise = noise(matched, work.masked, work.scratch);
+    let slope = noise(|at| matched(at + 1) - matched(at), work.masked, work.scratch);
+    let roughness = if matched_noise > 0.0 { slope / matched_noise } else { 0.0 };
+    let elements = work.signal.len() as f32 * roughness * roughness;
+    sum_up(work);
+    let floor = setting.peak * setting.outline;
+    let (mut allowed, mut result) = (setting.false_sources, (0.0, floor));
+    for _ in 0..CUTS {
+        let significance = height(elements, allowed);
+        let least = significance * matched_noise;
+        let least = if least > floor { least } else { floor };
+        result = (significance, least);
+        let kept = work.regions.iter().filter(|region| is_source(region, setting, least)).count();
+        let share = setting.false_share * kept as f32;
+        allowed = if share > allowed { share } else { allowed };
+    }
+    result
+}
+
+/// Area, light and matched peak of every region, from its pixels.
+fn sum_up(work: &mut Workspace<'_>) {
+    for region in work.regions.iter_mut() {
+        (region.area, region.sum, region.value, region.label) = (0, 0.0, 0.0, 0);
+    }
+    for ((&label, &matched), &signal) in work.labels.iter().zip(work.fine.iter()).zip(work.signal.iter()) {
+        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1)) {
+            region.area += 1;
+            region.sum += f64::from(signal);
+            if matched > region.value {
+                region.value = matched;
+            }
+        }
+    }
+}
+
+fn is_source(region: &Region, setting: &Detection, least: f32) -> bool {
+    region.area >= setting.min_area && region.value >= least && region.sum >= f64::from(setting.light)
+}
+
+/// Drops what is no source and numbers the rest in raster order; sources and their pixels.
+fn keep(setting: &Detection, least: f32, work: &mut Workspace<'_>) -> (u32, u32) {
+    let (mut sources, mut mask_pixels) = (0, 0);
+    for label in work.labels.iter_mut() {
+        let Some(region) = work.regions.get_mut((*label as usize).wrapping_sub(1)) else { continue };
+        if region.label == 0 && is_source(region, setting, least) {
+            sources += 1;
+            region.label = sources;
+        }
+        *label = region.label;
+        mask_pixels += u32::from(*label != 0);
+    }
+    (sources, mask_pixels)
+}

@@ -53,7 +53,8 @@ impl<A: Arithmetic> Settle<A> {
         let Some((above, below)) = sides else { return };
         for cell in row {
             let v = A::level(*cell);
-            let growth = above.gain * (v - above.half).positive() + below.gain * (v + below.half).negative();
+            // A difference: operands of a sum would be swapped at will, in every other lane.
+            let growth = above.gain * (v - above.half).positive() - below.gain * (-below.half - v).positive();
             let value = (v + growth).least(above.limit).greatest(-below.limit);
             *cell = A::to_level(A::on_grid(value, anchor));
         }

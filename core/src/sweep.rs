@@ -7,7 +7,7 @@
 
 use crate::arithmetic::Arithmetic;
 use crate::machine::Task;
-use crate::tiles::{COLUMNS, Tiles};
+use crate::tiles::{COLUMNS, Marker, Tiles};
 use core::ops::Range;
 
 /// A pure function from old rows to a new row; `N` is odd.
@@ -18,10 +18,15 @@ pub trait Kernel<A: Arithmetic, const N: usize> {
     /// side; `aux` is the matching row of the other plane (W cells, or none); `new` starts as the
     /// old row itself, W cells.
     fn row(&mut self, old: &[&[A::Cell]; N], aux: &[A::Cell], new: &mut [A::Cell]);
+
+    /// Takes note of what was computed, and may adjust it cell by cell; only in sweeps over tiles.
+    fn settle(&mut self, old: &[A::Cell], new: &mut [A::Cell]) {
+        let _ = (old, new);
+    }
 }
 
 /// Rows that stand in for the frame's edge where a plane is only a band of the frame: each slice
-/// holds `N/2` padded rows, in order of y. Empty where the band ends at the frame's edge.
+/// holds `N/2` padded rows of [`row_stride`] cells, in order of y. Empty where the band ends at the frame's edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Halo<'a, C> {
     /// The rows before the band's first.
@@ -35,9 +40,14 @@ impl<C> Halo<'_, C> {
     pub const NONE: Self = Halo { before: &[], after: &[] };
 }
 
+/// Cells of a saved row: made up to whole tiles, and padded for a kernel of `n` rows.
+pub const fn row_stride(width: usize, n: usize) -> usize {
+    width.next_multiple_of(COLUMNS) + n - 1
+}
+
 /// Cells of the ring that a sweep of `N` rows needs for rows of `width` cells.
 pub const fn ring_len(width: usize, n: usize) -> usize {
-    n * (width + n - 1)
+    n * row_stride(width, n)
 }
 
 /// Row `y` of a row-major plane; empty beyond its end.
@@ -74,51 +84,12 @@ impl<C: Copy> Band<'_, C> {
         self.plane.len() / self.width.max(1)
     }
 
-    /// Saves the old `columns` of row `y`, and `margin` columns on both sides; nothing beyond the
-    /// band.
+    /// Saves `columns` of row `y`, and `margin` columns on both sides, into the ring; nothing
+    /// beyond the band.
     fn save<const N: usize>(&mut self, y: usize, columns: &Range<usize>, margin: usize) {
-        let (radius, stride) = (N / 2, self.width + N - 1);
-        if y >= self.height() || columns.is_empty() {
-            return;
-        }
-        let row = row_of(self.plane, self.width, y);
-        let slot = row_of_mut(self.ring, stride, y % N);
-        let (first, last) = (columns.start.saturating_sub(margin), (columns.end + margin).min(self.width));
-        let (from, to) = (row.get(first..last).unwrap_or(&[]), slot.get_mut(first + radius..last + radius));
-        if let Some(to) = to
-            && to.len() == from.len()
-        {
-            to.copy_from_slice(from);
-        }
-        if let (true, Some(&edge)) = (first == 0, row.first()) {
-            slot.get_mut(..radius).unwrap_or(&mut []).fill(edge);
-        }
-        if let (true, Some(&edge)) = (last == self.width, row.last()) {
-            slot.get_mut(last + radius..).unwrap_or(&mut []).fill(edge);
-        }
-    }
-
-    /// The window of saved rows around `columns` of row `y`, the matching piece of the other
-    /// plane, and the piece to write.
-    #[inline(always)]
-    fn window<const N: usize>(&mut self, y: usize, columns: &Range<usize>) -> ([&[C]; N], &[C], &mut [C]) {
-        let (radius, stride, height) = (N / 2, self.width + N - 1, self.height());
-        let mut old: [&[C]; N] = [&[]; N];
-        for (row, slot) in (y..).zip(&mut old) {
-            let last = height + radius;
-            let row = if row < radius && !self.halo.before.is_empty() {
-                row_of(self.halo.before, stride, row)
-            } else if row >= last && !self.halo.after.is_empty() {
-                row_of(self.halo.after, stride, row - last)
-            } else {
-                let inside = row.saturating_sub(radius).min(height.saturating_sub(1));
-                row_of(self.ring, stride, inside % N)
-            };
-            *slot = row.get(columns.start..columns.end + 2 * radius).unwrap_or(&[]);
-        }
-        let aux = row_of(self.aux, self.width, y).get(columns.clone()).unwrap_or(&[]);
-        let new = row_of_mut(self.plane, self.width, y).get_mut(columns.clone()).unwrap_or(&mut []);
-        (old, aux, new)
+        let slot = row_of_mut(self.ring, row_stride(self.width, N), y % N);
+        let slot = slot.get_mut(columns.start..columns.end + N - 1).unwrap_or(&mut []);
+        Saved::new::<N>(self.width, columns, margin).row(slot, self.plane, y * self.width);
     }
 }
 
@@ -130,12 +101,13 @@ where
     K: Kernel<A, N>,
 {
     let columns = 0..band.width;
+    if rows.start == 0 {
+        (0..N / 2).for_each(|y| band.save::<N>(y, &columns, N / 2));
+    }
+    let mut run = Run::<A::Cell, N>::new(band, &columns, rows.start);
     for y in rows {
-        let first = if y == 0 { 0 } else { y + N / 2 };
-        for row in first..=y + N / 2 {
-            band.save::<N>(row, &columns, N / 2);
-        }
-        let (old, aux, new) = band.window::<N>(y, &columns);
+        let (old, aux, new) = run.next_row(y);
+        let old = old.map(|row| row.get(..new.len() + N - 1).unwrap_or(&[]));
         A::wide(Row::<A, K, N> { kernel, old, aux, new });
     }
 }
@@ -148,7 +120,7 @@ pub fn advance_active<A, K, const N: usize>(
     rows: Range<usize>,
 ) where
     A: Arithmetic,
-    K: Kernel<A, N>,
+    K: Kernel<A, N> + Copy,
 {
     let mut y = rows.start;
     while y < rows.end {
@@ -160,13 +132,9 @@ pub fn advance_active<A, K, const N: usize>(
             if y == tiles.start(tile_row) {
                 enter::<A, N>(band, tiles, tile_row, &run);
             }
-            let columns = tiles.columns(&run);
-            for y in y..end {
-                band.save::<N>(y + N / 2, &columns, N / 2);
-                let (old, aux, new) = band.window::<N>(y, &columns);
-                let run = &run;
-                A::wide(ActiveRow { row: Row::<A, K, N> { kernel, old, aux, new }, tiles, y, run });
-            }
+            let (columns, first, tile_rows) = (tiles.columns(&run), tiles.start(tile_row), tiles.tile_rows());
+            let (rows, flags) = (y..end, tiles.flags_of(tile_row, &run));
+            A::wide(ActiveRun::<A, K, N> { kernel, band, columns, rows, first, tile_rows, flags });
         }
         y = end;
     }
@@ -189,60 +157,200 @@ impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Task for Row<'_, A, K, N> {
     }
 }
 
-/// One call of a kernel for a run of tiles of row `y`.
-struct ActiveRow<'a, 't, A: Arithmetic, K, const N: usize> {
-    row: Row<'a, A, K, N>,
-    tiles: &'a mut Tiles<'t>,
-    y: usize,
-    run: &'a Range<usize>,
+/// The rows of a run of active tiles: one piece of work for the machine, so that short runs cost
+/// little more than their pixels.
+struct ActiveRun<'a, 'b, A: Arithmetic, K, const N: usize> {
+    kernel: &'a mut K,
+    band: &'a mut Band<'b, A::Cell>,
+    /// The pixel columns of the run.
+    columns: Range<usize>,
+    /// The rows to do now, and the first row and the number of rows of the tiles they lie in.
+    rows: Range<usize>,
+    first: usize,
+    tile_rows: usize,
+    /// The flags of the run's tiles.
+    flags: &'a mut [u8],
 }
 
-impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Task for ActiveRow<'_, '_, A, K, N> {
+impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> Task for ActiveRun<'_, '_, A, K, N> {
     type Output = ();
 
-    /// Tile by tile: the compiler unrolls loops of constant length, and keeps what it computes in
-    /// a tile's own array in registers until it is compared and stored.
+    /// Tile by tile: loops of constant length become vectors, and what is computed in a tile's own
+    /// array stays in registers until it is compared and stored.
     #[inline(always)]
     fn run(self) {
-        let Row { kernel, old, aux, new } = self.row;
-        let marker = self.tiles.marker(self.y, N / 2);
-        let (pieces, rest) = new.as_chunks_mut::<COLUMNS>();
-        let (whole, mut x) = (pieces.len(), 0);
-        let flags = self.tiles.flags_of(self.y, self.run);
-        for (flag, new) in flags.iter_mut().zip(pieces) {
-            let Some(aux) = aux.get(x..x + COLUMNS) else { break };
-            let Some(old) = old.each_cut(x) else { break };
-            let before = *new;
-            let mut after = before;
-            kernel.row(&old, aux, &mut after);
-            marker.mark(flag, &before, &after);
-            *new = after;
-            x += COLUMNS;
+        let ActiveRun { kernel: shared, band, columns, rows, first, tile_rows, flags } = self;
+        // A copy: behind the reference it could change with every cell written.
+        let mut kernel = *shared;
+        let mut run = Run::<A::Cell, N>::new(band, &columns, rows.start);
+        for y in rows {
+            let marker = Marker::new::<N>(y - first, tile_rows);
+            let (old, aux, new) = run.next_row(y);
+            let (tiles, rest) = new.as_chunks_mut::<COLUMNS>();
+            let (whole, mut x) = (tiles.len(), 0);
+            for (flag, new) in flags.iter_mut().zip(tiles) {
+                let (Some(window), Some(aux)) = (cut(&old, x), aux.get(x..x + COLUMNS)) else { break };
+                let before = *new;
+                let mut after = before;
+                kernel.row(&window, aux, &mut after);
+                kernel.settle(&before, &mut after);
+                marker.mark::<_, N>(flag, &before, &after);
+                *new = after;
+                x += COLUMNS;
+            }
+            // The frame's last tile, made up to a whole one: whatever lies behind the frame does
+            // not count, and nothing changes there.
+            if let (false, Some(flag), Some(window)) = (rest.is_empty(), flags.get_mut(whole), cut(&old, x)) {
+                let mut before = [A::Cell::default(); COLUMNS];
+                before.iter_mut().zip(centre_of(&window, COLUMNS)).for_each(|(before, cell)| *before = *cell);
+                let mut after = before;
+                let made_up;
+                let aux = if let Some(aux) = aux.get(x..x + COLUMNS) {
+                    aux
+                } else {
+                    made_up = whole_tile(shifted(aux, x));
+                    &made_up
+                };
+                kernel.row(&window, aux, &mut after);
+                for (i, (before, after)) in before.iter_mut().zip(&mut after).enumerate() {
+                    if i >= rest.len() {
+                        (*before, *after) = Default::default();
+                    }
+                }
+                kernel.settle(&before, &mut after);
+                marker.mark::<_, N>(flag, &before, &after);
+                rest.iter_mut().zip(after).for_each(|(new, after)| *new = after);
+            }
         }
-        if let Some(flag) = flags.get_mut(whole)
-            && !rest.is_empty()
-        {
-            let old = old.map(|row| shifted(row, x));
-            kernel.row(&old, shifted(aux, x), rest);
-            marker.mark(flag, centre_of(&old, rest.len()), rest);
-        }
+        *shared = kernel;
     }
 }
 
-/// A window of rows as the window of one tile in them.
-trait EachCut<'a, C, const N: usize> {
-    fn each_cut(&self, x: usize) -> Option<[&'a [C]; N]>;
+/// Some columns of a band, row after row: keeps the ring and cuts the windows.
+struct Run<'a, C, const N: usize> {
+    plane: &'a mut [C],
+    aux: &'a [C],
+    /// The columns' piece of each row of the ring, its padding included; the oldest row first.
+    slots: [&'a mut [C]; N],
+    halo: Halo<'a, C>,
+    columns: Range<usize>,
+    /// The columns and what is saved beside them.
+    saved: Saved,
+    width: usize,
+    height: usize,
 }
 
-impl<'a, C, const N: usize> EachCut<'a, C, N> for [&'a [C]; N] {
+impl<'a, C: Copy, const N: usize> Run<'a, C, N> {
+    const RADIUS: usize = N / 2;
+
+    /// A run about to do row `y`.
     #[inline(always)]
-    fn each_cut(&self, x: usize) -> Option<[&'a [C]; N]> {
-        let mut cut: [&[C]; N] = [&[]; N];
-        for (cut, row) in cut.iter_mut().zip(self) {
-            *cut = row.get(x..x + (COLUMNS + N - 1))?;
-        }
-        Some(cut)
+    fn new(band: &'a mut Band<'_, C>, columns: &Range<usize>, y: usize) -> Self {
+        let (height, width, columns) = (band.height(), band.width, columns.clone());
+        let mut rows = band.ring.chunks_exact_mut(row_stride(width, N));
+        let padded = padded::<N>(&columns);
+        let mut slots =
+            core::array::from_fn(|_| rows.next().and_then(|row| row.get_mut(padded.clone())).unwrap_or(&mut []));
+        // Row r is kept in slot r % N; the last turn before row y begins with the one before y - R.
+        slots.rotate_left((y + N - 1 - Self::RADIUS) % N);
+        let saved = Saved::new::<N>(width, &columns, Self::RADIUS);
+        Run { plane: band.plane, aux: band.aux, slots, halo: band.halo, columns, saved, width, height }
     }
+
+    /// Saves the last row that row `y` looks at; the window of old rows around row `y`, the
+    /// matching piece of the other plane (in whole tiles, where it goes on), and the piece to write.
+    #[inline(always)]
+    fn next_row(&mut self, y: usize) -> ([&[C]; N], &[C], &mut [C]) {
+        self.slots.rotate_left(1);
+        if let Some(slot) = self.slots.last_mut() {
+            self.saved.row(slot, self.plane, (y + Self::RADIUS) * self.width);
+        }
+        let mut old = self.slots.each_ref().map(|slot| &**slot);
+        if y < Self::RADIUS || y + Self::RADIUS >= self.height {
+            old = self.beyond(y, old);
+        }
+        let start = y * self.width + self.columns.start;
+        let cells = start..start + self.columns.len();
+        let tiles = start..(start + self.columns.len().next_multiple_of(COLUMNS)).min(self.aux.len());
+        (old, self.aux.get(tiles).unwrap_or(&[]), self.plane.get_mut(cells).unwrap_or(&mut []))
+    }
+
+    /// A window that reaches beyond the band: there are the halo's rows, or the edge is repeated.
+    fn beyond<'s>(&self, y: usize, inside: [&'s [C]; N]) -> [&'s [C]; N]
+    where
+        'a: 's,
+    {
+        let (padded, stride) = (padded::<N>(&self.columns), row_stride(self.width, N));
+        let halo_row = |rows: &'s [C], row| row_of(rows, stride, row).get(padded.clone()).unwrap_or(&[]);
+        let (before, after) = (self.halo.before, self.halo.after);
+        core::array::from_fn(|i| {
+            let row = y + i;
+            if row < Self::RADIUS && !before.is_empty() {
+                halo_row(before, row)
+            } else if row >= self.height + Self::RADIUS && !after.is_empty() {
+                halo_row(after, row - self.height - Self::RADIUS)
+            } else {
+                let nearest = row.max(Self::RADIUS).min(self.height + Self::RADIUS - 1) - y;
+                inside.get(nearest).copied().unwrap_or(&[])
+            }
+        })
+    }
+}
+
+/// The cells of a saved row that a kernel of `N` rows looks at for `columns`, in whole tiles.
+fn padded<const N: usize>(columns: &Range<usize>) -> Range<usize> {
+    columns.start..columns.end.next_multiple_of(COLUMNS) + N - 1
+}
+
+/// Which columns of a row are saved, and where in a slot.
+struct Saved {
+    columns: Range<usize>,
+    /// Cells of the slot before them.
+    padding: usize,
+    /// The frame ends before them, or behind them: its edge is repeated so often.
+    edges: [usize; 2],
+}
+
+impl Saved {
+    /// `columns` of a row of `width` cells, and `margin` columns on both sides of them.
+    #[inline(always)]
+    fn new<const N: usize>(width: usize, columns: &Range<usize>, margin: usize) -> Self {
+        let (first, last) = (columns.start.saturating_sub(margin), (columns.end + margin).min(width));
+        let edges = [if first == 0 { N / 2 } else { 0 }, if last == width { N / 2 } else { 0 }];
+        Saved { columns: first..last, padding: first + N / 2 - columns.start, edges }
+    }
+
+    /// Saves the row that starts at cell `start` of the plane; nothing beyond its end.
+    #[inline(always)]
+    fn row<C: Copy>(&self, slot: &mut [C], plane: &[C], start: usize) {
+        let cells = plane.get(start + self.columns.start..start + self.columns.end).unwrap_or(&[]);
+        let (Some(left), Some(right)) = (cells.first(), cells.last()) else { return };
+        let (before, rest) = slot.split_at_mut_checked(self.padding).unwrap_or((&mut [], &mut []));
+        let (middle, after) = rest.split_at_mut_checked(cells.len()).unwrap_or((&mut [], &mut []));
+        before.iter_mut().take(self.edges[0]).for_each(|cell| *cell = *left);
+        after.iter_mut().take(self.edges[1]).for_each(|cell| *cell = *right);
+        let ((from, from_rest), (to, to_rest)) = (cells.as_chunks::<COLUMNS>(), middle.as_chunks_mut::<COLUMNS>());
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+        to_rest.iter_mut().zip(from_rest).for_each(|(to, from)| *to = *from);
+    }
+}
+
+/// The window of one tile in a window of rows.
+#[inline(always)]
+fn cut<'a, C, const N: usize>(rows: &[&'a [C]; N], x: usize) -> Option<[&'a [C]; N]> {
+    let mut cut: [&[C]; N] = [&[]; N];
+    for (cut, row) in cut.iter_mut().zip(rows) {
+        *cut = row.get(x..x + (COLUMNS + N - 1))?;
+    }
+    Some(cut)
+}
+
+/// A piece of a row made up to a whole tile with empty cells.
+#[inline(always)]
+fn whole_tile<C: Copy + Default>(cells: &[C]) -> [C; COLUMNS] {
+    let mut tile = [C::default(); COLUMNS];
+    tile.iter_mut().zip(cells).for_each(|(tile, cell)| *tile = *cell);
+    tile
 }
 
 /// Saves the rows around the first row of a run of tiles. Rows of the tiles before have been

@@ -10,9 +10,9 @@ use crate::sweep::{row_of, row_of_mut};
 use core::ops::Range;
 
 /// Columns of a tile.
-pub const COLUMNS: usize = 32;
+pub const COLUMNS: usize = 16;
 /// More rows of tiles than this are never made: tiles of very high frames are higher.
-const MOST_ROWS: usize = 256;
+const MOST_ROWS: usize = 128;
 
 /// Rows of a tile in a frame of `height` rows: 8, or as many as keep the flags few.
 pub const fn rows_of_tile(height: usize) -> usize {
@@ -94,21 +94,16 @@ impl<'a> Tiles<'a> {
         (run.start * COLUMNS).min(self.width)..(run.end * COLUMNS).min(self.width)
     }
 
-    /// The flags of a run of tiles in pixel row `y`.
-    #[inline(always)]
-    pub(crate) fn flags_of(&mut self, y: usize, run: &Range<usize>) -> &mut [u8] {
-        let (stride, row) = (self.stride(), self.row_at(y));
-        row_of_mut(self.flags, stride, row).get_mut(run.clone()).unwrap_or(&mut [])
+    /// Pixel rows of a tile.
+    pub(crate) fn tile_rows(&self) -> usize {
+        self.tile_rows
     }
 
-    /// What a change in pixel row `y` means for a tile, where a step looks at `radius` pixels
-    /// around a pixel.
+    /// The flags of a run of tiles.
     #[inline(always)]
-    pub(crate) fn marker(&self, y: usize, radius: usize) -> Marker {
-        let line = y - self.start(self.row_at(y));
-        let bottom = if line < radius { BOTTOM } else { 0 };
-        let top = if line + radius >= self.tile_rows { TOP } else { 0 };
-        Marker { row: CHANGED | bottom | top, radius }
+    pub(crate) fn flags_of(&mut self, row: usize, run: &Range<usize>) -> &mut [u8] {
+        let stride = self.stride();
+        row_of_mut(self.flags, stride, row).get_mut(run.clone()).unwrap_or(&mut [])
     }
 
     /// The flags of a row of tiles, for [`Tiles::turn`] of the band before or after it.
@@ -146,26 +141,30 @@ impl<'a> Tiles<'a> {
 pub(crate) struct Marker {
     /// Set where any cell of the row changes.
     row: u8,
-    /// How far a step looks.
-    radius: usize,
 }
 
 impl Marker {
-    /// Adds to `flag` what a change from `old` to `new` sets.
+    /// The marker of row `line` of tiles of `tile_rows` rows, where a step looks at the rows and
+    /// columns up to `N / 2` around a pixel.
     #[inline(always)]
-    pub(crate) fn mark<C: Cell>(self, flag: &mut u8, old: &[C], new: &[C]) {
+    pub(crate) fn new<const N: usize>(line: usize, tile_rows: usize) -> Marker {
+        let bottom = if line < N / 2 { BOTTOM } else { 0 };
+        let top = if line + N / 2 >= tile_rows { TOP } else { 0 };
+        Marker { row: CHANGED | bottom | top }
+    }
+
+    /// Adds to `flag` what a change from `old` to `new` in this row of the tile sets.
+    #[inline(always)]
+    pub(crate) fn mark<C: Cell, const N: usize>(self, flag: &mut u8, old: &[C; COLUMNS], new: &[C; COLUMNS]) {
         // Where the front moves, most tiles have all their flags after a row or two.
         let all = self.row | LEFT | RIGHT;
         if *flag & all == all {
             return;
         }
-        let differ = |pairs: core::iter::Zip<core::slice::Iter<'_, C>, core::slice::Iter<'_, C>>| {
-            pairs.fold(0, |bits, (v, w)| bits | (v.bits() ^ w.bits())) != 0
-        };
-        if differ(old.iter().zip(new)) {
-            let last = new.len().saturating_sub(self.radius);
-            let left = old.iter().zip(new).take(self.radius).any(|(v, w)| v.bits() != w.bits());
-            let right = old.iter().zip(new).skip(last).any(|(v, w)| v.bits() != w.bits());
+        let differ = |(v, w): (&C, &C)| v.bits() != w.bits();
+        if old.iter().zip(new).fold(0, |bits, (v, w)| bits | (v.bits() ^ w.bits())) != 0 {
+            let left = old.iter().zip(new).take(N / 2).any(differ);
+            let right = old.iter().zip(new).skip(COLUMNS - N / 2).any(differ);
             *flag |= self.row | if left { LEFT } else { 0 } | if right { RIGHT } else { 0 };
         }
     }
@@ -217,9 +216,8 @@ mod tests {
         let (old, mut new) = ([0.0f32; COLUMNS], [0.0f32; COLUMNS]);
         new[x % COLUMNS] = 1e-45;
         let column = x / COLUMNS;
-        let marker = tiles.marker(y, 5);
-        let cells = if column < 4 { COLUMNS } else { COLUMNS - 3 };
-        marker.mark(&mut tiles.flags_of(y, &(column..column + 1))[0], &old[..cells], &new[..cells]);
+        let flag = &mut tiles.flags_of(y / 8, &(column..column + 1))[0];
+        Marker::new::<11>(y % 8, 8).mark::<_, 11>(flag, &old, &new);
         tiles.turn(&[], &[]);
         core::array::from_fn(|row| core::array::from_fn(|column| tiles.is_active(row, column)))
     }

@@ -9,7 +9,7 @@ use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::scheme::{Evolve, Step};
 use skyfront_core::segmenter::Evolution;
 use skyfront_core::stop::Change;
-use skyfront_core::sweep::{Band, Halo, ring_len};
+use skyfront_core::sweep::{Band, Halo, ring_len, row_stride};
 use skyfront_core::tiles::{COLUMNS, Tiles};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -131,9 +131,10 @@ fn show<A: Arithmetic>(
     {
         border.rows.clear();
         for row in front.chunks_exact(width).skip(first).take(radius) {
+            let behind = row_stride(width, 2 * radius + 1) - radius - width;
             border.rows.extend(std::iter::repeat_n(row[0], radius));
             border.rows.extend_from_slice(row);
-            border.rows.extend(std::iter::repeat_n(row[width - 1], radius));
+            border.rows.extend(std::iter::repeat_n(row[width - 1], behind));
         }
         border.flags.clear();
         border.flags.extend_from_slice(tiles.border(tile_row));

@@ -21,7 +21,7 @@ use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
 use crate::settle::Settle;
 use crate::stop::Change;
-use crate::sweep::{Band, Kernel, advance_active, centre_of};
+use crate::sweep::{Band, Kernel, advance_active};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -52,29 +52,36 @@ pub struct Step<A: Arithmetic> {
 }
 
 /// A scheme's kernel as a part of a step.
-struct Tracked<'a, A: Arithmetic, K> {
+#[derive(Clone, Copy)]
+struct Tracked<A: Arithmetic, K> {
     kernel: K,
-    step: &'a mut Step<A>,
+    step: Step<A>,
 }
 
-impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<'_, A, K> {
+impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<A, K> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; N], speed: &[A::Cell], new: &mut [A::Cell]) {
         self.kernel.row(old, speed, new);
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, old: &[A::Cell], new: &mut [A::Cell]) {
         self.step.settle.row(new);
-        self.step.change.observe(centre_of(old, new.len()), new);
+        self.step.change.observe(old, new);
     }
 }
 
 /// One sweep of a kernel over the active tiles: what every scheme's `advance` does.
-fn tracked<A: Arithmetic, K: Kernel<A, N>, const N: usize>(
+fn tracked<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize>(
     kernel: K,
     band: &mut Band<'_, A::Cell>,
     tiles: &mut Tiles<'_>,
     rows: Range<usize>,
     step: &mut Step<A>,
 ) {
-    advance_active::<A, _, N>(&mut Tracked { kernel, step }, band, tiles, rows);
+    let mut tracked = Tracked { kernel, step: *step };
+    advance_active::<A, _, N>(&mut tracked, band, tiles, rows);
+    *step = tracked.step;
 }
 
 /// The length of an undivided central difference below which the front counts as flat:

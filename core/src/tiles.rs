@@ -240,7 +240,7 @@ mod tests {
         let row = 2 * 8;
         check(woken(3 * COLUMNS + 9, row), 1..3, 3..4);
         check(woken(3 * COLUMNS, row), 1..3, 2..4);
-        check(woken(3 * COLUMNS + 31, row + 7), 2..4, 3..5);
+        check(woken(4 * COLUMNS - 1, row + 7), 2..4, 3..5);
         check(woken(5 * COLUMNS - 4, 37), 4..5, 4..5);
         check(woken(0, 0), 0..1, 0..1);
     }

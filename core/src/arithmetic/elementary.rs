@@ -143,6 +143,32 @@ pub fn exp_neg(x: Fixed24) -> Fixed24 {
     exp2_neg(u64::from(x.positive().size()).wrapping_mul(LOG2_E) >> 16)
 }
 
+/// What an arithmetic over [`Fixed24`] takes from here as it is.
+macro_rules! functions {
+    () => {
+        #[inline]
+        fn sqrt(x: Fixed24) -> Fixed24 {
+            elementary::sqrt(x)
+        }
+
+        #[inline]
+        fn pow(x: Fixed24, p: Exponent) -> Fixed24 {
+            elementary::pow(x, p)
+        }
+
+        #[inline]
+        fn log2_1p(x: Fixed24) -> Fixed24 {
+            elementary::log2_1p(x)
+        }
+
+        #[inline]
+        fn exp_neg(x: Fixed24) -> Fixed24 {
+            elementary::exp_neg(x)
+        }
+    };
+}
+pub(super) use functions;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -89,10 +89,7 @@ impl Arithmetic for Q11 {
         Narrow(rounded.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16 as u16)
     }
 
-    #[inline]
-    fn sqrt(x: Fixed24) -> Fixed24 {
-        elementary::sqrt(x)
-    }
+    elementary::functions!();
 
     /// Within 2^-15 of the exact length below 2, where image gradients and smooth fronts lie;
     /// within 2^-11 of it up to 32, the longest that a band of 8 pixels allows; saturated beyond.
@@ -132,21 +129,6 @@ impl Arithmetic for Q11 {
             if of < Fixed24::ZERO { -size } else { size }
         };
         Some((share(sx, x), share(sy, y)))
-    }
-
-    #[inline]
-    fn pow(x: Fixed24, p: Exponent) -> Fixed24 {
-        elementary::pow(x, p)
-    }
-
-    #[inline]
-    fn log2_1p(x: Fixed24) -> Fixed24 {
-        elementary::log2_1p(x)
-    }
-
-    #[inline]
-    fn exp_neg(x: Fixed24) -> Fixed24 {
-        elementary::exp_neg(x)
     }
 
     #[inline(always)]

@@ -67,10 +67,7 @@ impl Arithmetic for Q24 {
         value
     }
 
-    #[inline]
-    fn sqrt(x: Fixed24) -> Fixed24 {
-        elementary::sqrt(x)
-    }
+    elementary::functions!();
 
     /// Rounded to nearest from the exact sum of squares.
     #[inline]
@@ -96,21 +93,6 @@ impl Arithmetic for Q24 {
             if of < Fixed24::ZERO { -size } else { size }
         };
         Some((share(gx, x), share(gy, y)))
-    }
-
-    #[inline]
-    fn pow(x: Fixed24, p: Exponent) -> Fixed24 {
-        elementary::pow(x, p)
-    }
-
-    #[inline]
-    fn log2_1p(x: Fixed24) -> Fixed24 {
-        elementary::log2_1p(x)
-    }
-
-    #[inline]
-    fn exp_neg(x: Fixed24) -> Fixed24 {
-        elementary::exp_neg(x)
     }
 
     #[inline(always)]

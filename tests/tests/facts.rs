@@ -3,6 +3,7 @@
 use skyfront::reference::{self, Connectivity};
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::{Config, Scheme};
+use skyfront_core::error::Error;
 use skyfront_core::front;
 use skyfront_tests::evolve::Front;
 
@@ -43,25 +44,42 @@ fn a_circle_moves_by_t() {
     }
 }
 
+/// dr/dt = 1 - nu/r from r = 1 to t = 1.
+fn grown(nu: f64) -> f64 {
+    (0..100_000).fold(1.0, |r, _| r + 1e-5 * (1.0 - nu / r))
+}
+
 /// A disc that grows with speed 1 - nu k has dr/dt = 1 - nu/r. With nu = 0.5 and r = 1 at the start curvature halves
-/// the speed: without it the radius would be 2 at t = 1. The error is that of the circle above. The explicit step of
-/// the finite differences serves both terms: dt/dx + 2 nu dt/dx^2 is kept below 1.
+/// the speed: without it the radius would be 2 at t = 1. The error is that of the circle above.
 #[test]
 fn curvature_slows_a_growing_disc() {
-    let nu = 0.5;
-    let mut expected = 1.0;
-    for _ in 0..100_000 {
-        expected += 1e-5 * (1.0 - nu / expected);
-    }
+    let expected = grown(0.5);
     assert!(expected < 1.7, "the fact itself: {expected}");
     for (scheme, dt) in [(Scheme::FdCurvature, 0.004), (Scheme::SlCurvature, 0.02)] {
-        let config = Config { scheme, nu: nu as f32, dt, ..PAPER };
-        let mut disc = Front::new(config, 81, 81, |x, y| x.hypot(y) - 1.0);
-        disc.until(1.0);
-        for diagonal in [false, true] {
-            let radius = disc.radius(diagonal);
-            assert!((radius - expected).abs() < 0.1, "{scheme:?}, diagonal {diagonal}: {radius}, not {expected}");
-        }
+        assert_grown(Config { scheme, nu: 0.5, dt, ..PAPER }, expected);
+    }
+}
+
+fn assert_grown(config: Config, expected: f64) {
+    let mut disc = Front::new(config, 81, 81, |x, y| x.hypot(y) - 1.0);
+    disc.until(1.0);
+    for diagonal in [false, true] {
+        let (radius, scheme) = (disc.radius(diagonal), config.scheme);
+        assert!((radius - expected).abs() < 0.1, "{scheme:?}, diagonal {diagonal}: {radius}, not {expected}");
+    }
+}
+
+/// The bound on the explicit step with curvature, 2 dt/dx + 2 nu dt/dx^2 <= 1: discs at the bound grow as they must,
+/// with much curvature and with little. What was the bound before, nu dt <= dx^2/2 alone, is refused.
+#[test]
+fn explicit_curvature_at_its_bound_still_grows_a_disc() {
+    for nu in [0.7f32, 0.4, 0.1, 0.01] {
+        let dt = PAPER.dx * PAPER.dx / (2.0 * (PAPER.dx + nu));
+        let config = Config { scheme: Scheme::FdCurvature, nu, dt, ..PAPER };
+        assert_eq!(config.validate::<F32>(), Ok(()));
+        assert_grown(config, grown(nu.into()));
+        let longer = Config { dt: dt * 1.01, ..config };
+        assert!(matches!(longer.validate::<F32>(), Err(Error::Parameter { name: "time step", .. })));
     }
 }
 

@@ -263,8 +263,9 @@ impl Parameters {
             Scheme::Sl | Scheme::SlCurvature => ask(at_most(self.dt, dx), "dt", self.dt, "at most dx")?,
         }
         if self.scheme == Scheme::FdCurvature {
-            let bound = "at most dx^2/(2 dt)";
-            ask(self.nu * self.dt <= dx * dx / 2.0 * (1.0 + 1e-12), "nu", self.nu, bound)?;
+            // The weight of a node's own old value in its new one is 1 - 2 dt/dx - 2 nu dt/dx^2 or more.
+            let bound = "so that 2 dt/dx + 2 nu dt/dx^2 is at most 1";
+            ask(2.0 * self.dt / dx * (1.0 + self.nu / dx) <= 1.0 + 1e-12, "nu", self.nu, bound)?;
         }
         if let (Rescale::R3 { .. }, Tau::Value(tau)) = (self.rescale, self.tau) {
             ask(tau > 0.0 && tau < 1.0, "tau", tau, "between 0 and 1")?;

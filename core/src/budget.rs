@@ -6,6 +6,7 @@
 //! row before and the first label of its component.
 
 use crate::config::{Config, Filter, Normalize, Rescale, Scheme, Start, Tau};
+use crate::march;
 use crate::noise;
 use crate::select;
 use crate::stage::Stage;
@@ -34,8 +35,8 @@ pub fn passes(config: &Config, stage: Stage) -> u32 {
         Stage::Evolve if config.scheme == Scheme::FastMarching => 0,
         Stage::Evolve => config.max_steps(),
         Stage::Seed | Stage::Sow | Stage::Arrive => u32::from(config.scheme == Scheme::FastMarching),
-        // Only the number of its buckets is known beforehand.
-        Stage::March if config.scheme == Scheme::FastMarching => u32::MAX,
+        // As many looks a row as a row has pixels, and a last row that finds no pixel left.
+        Stage::March if config.scheme == Scheme::FastMarching => march::looks(config.farthest()).saturating_add(1),
         Stage::March => 0,
         Stage::Done => 0,
         _ => 1,

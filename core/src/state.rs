@@ -1,15 +1,16 @@
 //! Everything that changes during a run but lies not in a plane: plain data.
 
 use crate::arithmetic::{Arithmetic, Real};
+use crate::budget;
 use crate::codec::Codec;
 use crate::config::Config;
 use crate::edge::GradientRange;
 use crate::march::March;
-use crate::noise::{self, Estimate};
+use crate::noise::Estimate;
 use crate::normalize::{Extremes, Range};
 use crate::otsu::Histogram;
 use crate::outcome::StopReason;
-use crate::select::{PASSES, Select};
+use crate::select::Select;
 use crate::stage::Stage;
 use crate::stop::{Change, StopRule};
 
@@ -124,14 +125,7 @@ impl<A: Arithmetic> State<A> {
             least.is_finite() && greatest.is_finite() && least <= greatest
         };
         let numbers = [self.range.low, self.range.high, self.fill, self.tau, self.last_change];
-        let passes = match self.stage {
-            Stage::LowPercentile | Stage::HighPercentile | Stage::Median => PASSES,
-            Stage::Sky | Stage::Threshold => noise::PASSES,
-            Stage::Filter => u32::from(config.filter_steps),
-            Stage::Evolve => config.max_steps(),
-            Stage::March => u32::MAX,
-            _ => 1,
-        };
+        let passes = budget::passes(config, self.stage).max(1);
         let before_range = self.stage <= Stage::Median;
         in_frame
             && values

@@ -1,7 +1,8 @@
 //! What follows from a pass that is over: the next pass, or the next stage.
 
-use super::Segmenter;
+use super::{Segmenter, corrupted};
 use crate::arithmetic::Arithmetic;
+use crate::budget;
 use crate::catalog::Source;
 use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
@@ -55,11 +56,17 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 _ => {}
             },
             Stage::StartLevel => state.tau = state.histogram.otsu(),
-            Stage::March if state.marching => return Ok(()),
+            Stage::March if state.marching => {
+                // A march that was left alone ends before its bound.
+                let in_time = state.pass < budget::passes(&self.config, Stage::March);
+                return if in_time { Ok(()) } else { Err(corrupted("the lists of the march")) };
+            }
             Stage::March => {
-                // The time of the last arrival, in steps.
-                state.steps = (state.march.latest() * self.config.dx / self.config.dt) as u32;
-                state.reason = StopReason::Rest;
+                // The time of the last arrival, in steps; some arrivals are known before their time.
+                let steps = (state.march.latest() * self.config.dx / self.config.dt) as u32;
+                let most = self.config.max_steps();
+                state.reason = if steps > most { StopReason::TimeLimit } else { StopReason::Rest };
+                state.steps = steps.min(most);
             }
             Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),
             Stage::Evolve => {

@@ -4,13 +4,12 @@ use crate::background::SkyMaps;
 use crate::input::StartMap;
 use crate::machine::Native;
 use crate::parallel::evolve;
-use crate::planes::plane;
+use crate::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Real};
 use skyfront_core::catalog::Source;
-use skyfront_core::config::{Config, Scheme};
+use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
-use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::{Outcome, Progress};
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::stage::Stage;
@@ -129,24 +128,11 @@ pub fn segment_in<A: Arithmetic>(
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
     let count = width * height;
-    let mut image = plane::<A::Cell>(count);
-    let mut front = plane::<A::Cell>(count);
+    let mut room = Room::<A>::new(config, width, height, (count / 4).clamp(1, MOST_SOURCES));
     if let Some(start) = drive.start {
-        start.fill::<A>(config, (width, height), &mut front);
+        start.fill::<A>(config, (width, height), &mut room.front);
     }
-    let mut ring = vec![A::Cell::default(); ring_cells(width, config.scheme == Scheme::SlCurvature)];
-    let mut samples = vec![0.0; width];
-    let mut tiles = vec![0; flags_len(width, height)];
-    let mut sources = vec![Source::empty(0); (count / 4).clamp(1, MOST_SOURCES)];
-    let memory = Memory {
-        image: &mut image,
-        front: &mut front,
-        ring: &mut ring,
-        tiles: &mut tiles,
-        samples: &mut samples,
-        sources: &mut sources,
-    };
-    let mut segmenter = Segmenter::<A>::new(config, width, height, memory)?;
+    let mut segmenter = Segmenter::<A>::new(config, width, height, room.memory())?;
     let mut stages = StagePlanes::default();
     let (mut convergence, mut seconds, mut front_values) = (Vec::new(), Vec::new(), Vec::new());
     let (mut stage, mut started) = (segmenter.stage(), Instant::now());
@@ -201,6 +187,7 @@ pub fn segment_in<A: Arithmetic>(
         }
     };
     convergence.push(outcome.last_change);
+    let Room { image, front, mut sources, .. } = room;
     sources.truncate(outcome.catalogued as usize);
     // The labels take the place of the front, in its own memory where cells have the same size.
     drop(image);

@@ -1,11 +1,62 @@
-//! Memory for the planes of a frame.
+//! Memory for the planes of a frame, and for a run.
+
+use skyfront_core::arithmetic::{Arithmetic, Cell};
+use skyfront_core::catalog::Source;
+use skyfront_core::config::{Config, Scheme};
+use skyfront_core::memory::{Memory, flags_len, ring_cells};
+
+/// The memory of one run: as many elements as the core asks for, and not one more.
+#[derive(Debug)]
+pub struct Room<A: Arithmetic> {
+    /// The image plane.
+    pub image: Vec<A::Cell>,
+    /// The front plane.
+    pub front: Vec<A::Cell>,
+    /// The catalogue.
+    pub sources: Vec<Source>,
+    ring: Vec<A::Cell>,
+    tiles: Vec<u8>,
+    samples: Vec<f32>,
+}
+
+impl<A: Arithmetic> Room<A> {
+    /// Room for a frame and a catalogue of `sources`.
+    pub fn new(config: &Config, width: usize, height: usize, sources: usize) -> Self {
+        Room::full_of(0, config, width, height, sources)
+    }
+
+    /// The same, with the bits of `pattern` in every element: a run must not depend on them.
+    pub fn full_of(pattern: u32, config: &Config, width: usize, height: usize, sources: usize) -> Self {
+        let cell = A::Cell::from_bits(pattern);
+        Room {
+            image: plane(width * height, cell),
+            front: plane(width * height, cell),
+            sources: vec![Source::empty(pattern); sources],
+            ring: vec![cell; ring_cells(width, config.scheme == Scheme::SlCurvature)],
+            tiles: vec![pattern as u8; flags_len(width, height)],
+            samples: vec![f32::from(pattern as u16); width],
+        }
+    }
+
+    /// The slices for a segmenter.
+    pub fn memory(&mut self) -> Memory<'_, A> {
+        Memory {
+            image: &mut self.image,
+            front: &mut self.front,
+            ring: &mut self.ring,
+            tiles: &mut self.tiles,
+            samples: &mut self.samples,
+            sources: &mut self.sources,
+        }
+    }
+}
 
 /// A plane of `len` cells, in large pages where the system has them: the front touches every row
 /// of a frame again and again, and ordinary pages are too many for the processor's page table.
-pub fn plane<T: Copy + Default>(len: usize) -> Vec<T> {
+pub fn plane<T: Copy>(len: usize, cell: T) -> Vec<T> {
     let mut plane = Vec::with_capacity(len);
     ask_for_large_pages(plane.as_mut_ptr(), plane.capacity());
-    plane.resize(len, T::default());
+    plane.resize(len, cell);
     plane
 }
 
@@ -27,9 +78,9 @@ fn ask_for_large_pages<T>(_: *mut T, _: usize) {}
 #[cfg(test)]
 mod tests {
     #[test]
-    fn planes_are_zero_and_as_long_as_asked() {
+    fn planes_are_filled_and_as_long_as_asked() {
         for len in [0, 1, 1023, 3_000_000] {
-            assert_eq!(super::plane::<f32>(len), vec![0.0; len]);
+            assert_eq!(super::plane(len, 1.5f32), vec![1.5; len]);
         }
     }
 }

@@ -5,16 +5,15 @@
 //! ARITHMETIC-SCHEME-STAGE.bin; `labels` are cells too. Digests are CRC-32 (IEEE) of the file's bytes.
 
 use crate::arithmetics::{self, Task, adapted};
+use crate::planes::Room;
 use crate::provenance::{parameters, scheme_name};
 use crate::write::Value as Entry;
 use serde_json::{Map, Value, json};
 use skyfront_core::arithmetic::{Arithmetic, Cell};
-use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::digest::Digest;
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
-use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::Progress;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::stage::Stage;
@@ -99,20 +98,8 @@ impl Task for TraceTask<'_> {
 }
 
 fn trace_in<A: Arithmetic>(config: &Config, pixels: &[f32], width: usize, height: usize) -> Result<Trace, Error> {
-    let cells = |count| vec![A::Cell::default(); count];
-    let (mut image, mut front) = (cells(width * height), cells(width * height));
-    let mut ring = cells(ring_cells(width, config.scheme == Scheme::SlCurvature));
-    let (mut samples, mut sources) = (vec![0.0; width], Vec::<Source>::new());
-    let mut tiles = vec![0; flags_len(width, height)];
-    let memory = Memory {
-        image: &mut image,
-        front: &mut front,
-        ring: &mut ring,
-        tiles: &mut tiles,
-        samples: &mut samples,
-        sources: &mut sources,
-    };
-    let mut run = Segmenter::<A>::new(config, width, height, memory)?;
+    let mut room = Room::<A>::new(config, width, height, 0);
+    let mut run = Segmenter::<A>::new(config, width, height, room.memory())?;
     let mut planes = Vec::new();
     loop {
         let stage = run.stage();
@@ -137,7 +124,7 @@ fn name(stage: Stage) -> Option<&'static str> {
         Stage::Filter => Some("filtered"),
         Stage::Edge => Some("g"),
         Stage::Front => Some("u0"),
-        Stage::Evolve => Some("u"),
+        Stage::Evolve | Stage::Arrive => Some("u"),
         Stage::Measure => Some("labels"),
         _ => None,
     }

@@ -1,13 +1,16 @@
 //! No image, however hostile, makes a run longer than was said before.
 
+use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::budget;
+use skyfront_core::config::{Config, Scheme};
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
 use skyfront_core::outcome::Progress;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::Kind;
-use skyfront_tests::runs::{Room, every_kind, sky};
+use skyfront_core::stage::Stage;
+use skyfront_tests::runs::{every_kind, sky};
 
 const SIDE: usize = 33;
 
@@ -40,11 +43,11 @@ fn hostile() -> Vec<(&'static str, Vec<f32>)> {
 }
 
 fn assert_bound<A: Arithmetic>() {
-    for config in every_kind() {
+    for config in every_kind::<A>() {
         let bound = budget::total_rows(&config, SIDE);
         for (name, pixels) in hostile() {
             for slice in [1, 7, usize::MAX] {
-                let mut room = Room::<A>::new(&config, SIDE, SIDE, 3, 0);
+                let mut room = Room::<A>::new(&config, SIDE, SIDE, 3);
                 let mut segmenter = Segmenter::<A>::new(&config, SIDE, SIDE, room.memory()).expect("enough memory");
                 assert_eq!(segmenter.work(), (0, bound));
                 let mut polls = 0u64;
@@ -77,4 +80,13 @@ fn hostile_images_stay_within_the_budget() {
     assert_bound::<F32>();
     assert_bound::<Q24>();
     assert_bound::<Q11>();
+}
+
+/// The figures of `skyfront budget --scheme fast-marching` for the paper's frame: bounds, and no 2^32 among them.
+#[test]
+fn a_march_has_a_bound_of_its_own() {
+    let config = Config::PAPER_F160.with_scheme(Scheme::FastMarching);
+    assert_eq!(budget::passes(&config, Stage::March), 96);
+    assert_eq!(budget::rows(&config, 300, Stage::March), 28_800);
+    assert!(Stage::ALL.iter().all(|&stage| budget::passes(&config, stage) <= 96));
 }

@@ -1,15 +1,16 @@
 //! A run takes the memory that was stated, and nothing beyond.
 
+use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
 use skyfront_core::catalog::{Source, room_for};
-use skyfront_core::config::{Config, Scheme};
+use skyfront_core::config::{Config, Scheme, Start};
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
 use skyfront_core::memory::{self, Memory, SEGMENTER_BYTES, catalogue_room};
 use skyfront_core::outcome::Progress;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::Kind;
-use skyfront_tests::runs::{Room, every_kind, sky};
+use skyfront_tests::runs::{every_kind, sky};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell as Counter;
 
@@ -37,30 +38,48 @@ unsafe impl GlobalAlloc for Counted {
 #[global_allocator]
 static COUNTED: Counted = Counted;
 
-#[test]
-fn the_papers_frame_in_sixteen_bits_runs_in_384_kib() {
-    const SIDE: usize = 300;
-    let config = Config { band: Some(8.0), ..Config::PAPER_F160 };
+const SIDE: usize = 300;
+
+/// Allocates what is stated for the paper's frame and runs in it; all bytes, the segmenter's included.
+fn run_in_what_is_stated<A: Arithmetic>(config: &Config) -> usize {
     let pixels = sky(Kind::Bright, 160, SIDE, SIDE);
-    let sources = catalogue_room(SIDE, SIDE, 2, false);
-    let stated = memory::bytes(SIDE, SIDE, 2, false, sources);
+    let sources = catalogue_room(SIDE, SIDE, A::Cell::BYTES, false);
+    let stated = memory::bytes(SIDE, SIDE, A::Cell::BYTES, false, sources);
 
     let before = TAKEN.with(Counter::get);
-    let mut room = Room::<Q11>::new(&config, SIDE, SIDE, sources, 0xA5A5);
+    let mut room = Room::<A>::full_of(0xA5A5, config, SIDE, SIDE, sources);
     assert_eq!(TAKEN.with(Counter::get) - before, stated, "what was allocated is what was stated");
-    let mut segmenter = Segmenter::<Q11>::new(&config, SIDE, SIDE, room.memory()).expect("it is enough");
+    let mut segmenter = Segmenter::<A>::new(config, SIDE, SIDE, room.memory()).expect("it is enough");
     let outcome = loop {
         if let Progress::Done(outcome) = segmenter.poll(SIDE, &mut SliceFrame(&pixels)).expect("a sky") {
             break outcome;
         }
     };
     assert_eq!(TAKEN.with(Counter::get) - before, stated, "a run allocates nothing");
-
-    let all = stated + size_of_val(&segmenter);
-    println!("{stated} bytes of memory for {sources} sources and {} bytes of state", size_of_val(&segmenter));
-    // 379 200 bytes, well below the 393 216 of 384 KiB.
-    assert!(all <= 4 * SIDE * SIDE + 64 * SIDE, "{all} bytes");
+    println!("{}: {stated} bytes for {sources} sources, {} of state", A::NAME, size_of_val(&segmenter));
     assert!(outcome.sources > 0 && outcome.catalogued == outcome.sources, "{outcome:?}");
+    stated + size_of_val(&segmenter)
+}
+
+const BANDED: Config = Config { band: Some(8.0), ..Config::PAPER_F160 };
+const NEAR: Config = Config { start: Start::Threshold { margin: 4.0 }, ..BANDED };
+
+/// 379 200 bytes at most, well below the 393 216 of 384 KiB.
+#[test]
+fn the_papers_frame_in_sixteen_bits_runs_in_384_kib() {
+    for config in [BANDED, NEAR] {
+        let all = run_in_what_is_stated::<Q11>(&config);
+        assert!(all <= 4 * SIDE * SIDE + 64 * SIDE, "{all} bytes, {config:?}");
+    }
+}
+
+#[test]
+fn the_papers_frame_in_32_bits_marches_and_steps_in_twice_the_planes() {
+    for config in [Config::PAPER_F160, BANDED, NEAR, BANDED.with_scheme(Scheme::FastMarching)] {
+        for all in [run_in_what_is_stated::<F32>(&config), run_in_what_is_stated::<Q24>(&config)] {
+            assert!(all <= 8 * SIDE * SIDE + 64 * SIDE, "{all} bytes, {config:?}");
+        }
+    }
 }
 
 fn assert_bounds<A: Arithmetic>() {
@@ -84,8 +103,8 @@ fn two_cells_a_pixel_and_64_bytes_a_column_hold_everything() {
 
 #[test]
 fn one_element_less_is_refused_by_name() {
-    for config in every_kind() {
-        let mut room = Room::<Q24>::new(&config, 20, 10, 4, 0);
+    for config in every_kind::<Q24>() {
+        let mut room = Room::<Q24>::new(&config, 20, 10, 4);
         let Memory { image, front, ring, tiles, samples, sources } = room.memory();
         let refused = |result: Result<Segmenter<'_, Q24>, Error>| match result {
             Err(Error::Length { name, given, needed }) => {
@@ -115,7 +134,7 @@ fn a_catalogue_may_be_a_heapless_vector() {
     const SIDE: usize = 64;
     let config = Config { t_max: 3.0, ..Config::PAPER_F160 }.with_scheme(Scheme::Sl);
     let pixels = sky(Kind::Stars, 1, SIDE, SIDE);
-    let mut room = Room::<F32>::new(&config, SIDE, SIDE, 0, 0);
+    let mut room = Room::<F32>::new(&config, SIDE, SIDE, 0);
     let mut catalogue: heapless::Vec<Source, 8> = room_for();
     let memory = Memory { sources: &mut catalogue, ..room.memory() };
     let mut segmenter = Segmenter::<F32>::new(&config, SIDE, SIDE, memory).expect("enough memory");

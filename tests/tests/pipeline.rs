@@ -2,15 +2,17 @@
 
 use skyfront::cli::simulated;
 use skyfront::pipeline::{Drive, Segmentation, segment};
+use skyfront::planes::Room;
 use skyfront_core::arithmetic::F32;
 use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Edge, Filter, Normalize, Rescale, Scheme, Start, Stop, Tau};
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
-use skyfront_core::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::memory::Memory;
 use skyfront_core::outcome::{Outcome, Progress};
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::Kind;
+use skyfront_workload::case::MOTIONS;
 
 const WIDTH: usize = 61;
 const HEIGHT: usize = 47;
@@ -25,8 +27,7 @@ fn run(config: &Config, pixels: &[f32], slice: usize) -> Segmentation {
 }
 
 fn configs() -> Vec<Config> {
-    let schemes = [Scheme::Fd, Scheme::FdCurvature, Scheme::Sl, Scheme::SlCurvature];
-    let mut configs: Vec<Config> = schemes.map(|scheme| Config::PAPER_F160.with_scheme(scheme)).to_vec();
+    let mut configs: Vec<Config> = MOTIONS.iter().map(|motion| motion.of(Config::PAPER_F160)).collect();
     configs.push(Config::PAPER_REAL);
     configs.push(Config {
         normalize: Normalize::Percentile { low: 1.0, high: 99.0 },
@@ -77,20 +78,15 @@ fn undefined_pixels_take_no_part() {
     }
 }
 
-/// A run in memory of the test's own, with a catalogue of `room` sources.
-fn core_run(config: &Config, pixels: &[f32], front: &mut [f32], room: usize) -> Result<(Outcome, Vec<Source>), Error> {
-    let mut image = vec![0.0; WIDTH * HEIGHT];
-    let mut ring = vec![0.0; ring_cells(WIDTH, config.scheme == Scheme::SlCurvature)];
-    let (mut samples, mut sources) = (vec![0.0; WIDTH], vec![Source::empty(0); room]);
-    let mut tiles = vec![0; flags_len(WIDTH, HEIGHT)];
-    let memory = Memory {
-        image: &mut image,
-        front,
-        ring: &mut ring,
-        tiles: &mut tiles,
-        samples: &mut samples,
-        sources: &mut sources,
-    };
+/// A run in the caller's front plane, with room for so many sources.
+fn core_run(
+    config: &Config,
+    pixels: &[f32],
+    front: &mut [f32],
+    sources: usize,
+) -> Result<(Outcome, Vec<Source>), Error> {
+    let mut room = Room::new(config, WIDTH, HEIGHT, sources);
+    let memory = Memory { front, ..room.memory() };
     let mut segmenter = Segmenter::<F32>::new(config, WIDTH, HEIGHT, memory)?;
     loop {
         if let Progress::Done(outcome) = segmenter.poll(3, &mut SliceFrame(pixels))? {
@@ -144,6 +140,10 @@ fn what_a_caller_can_get_wrong_is_an_error_with_names_and_numbers() {
     for (config, words) in [
         (Config { dt: 0.051, ..good }, "time step is 0.051, but must be at most 0.05"),
         (Config { dt: 0.11, ..good.with_scheme(Scheme::Sl) }, "time step is 0.11, but must be at most 0.1"),
+        (
+            Config { nu: 0.5, ..good.with_scheme(Scheme::FdCurvature) },
+            "time step is 0.010000001, but must be at most 0.00833334",
+        ),
         (Config { nu: -0.1, ..good }, "nu is -0.1, but must be at least 0"),
         (Config { filter_dt: 0.003, ..good }, "filter time step is 0.003, but must be at most 0.0025"),
         (Config { rescale: Rescale::R3 { beta: 0, tau: Tau::Otsu }, ..good }, "beta is 0, but must be at least 1"),
@@ -159,17 +159,8 @@ fn what_a_caller_can_get_wrong_is_an_error_with_names_and_numbers() {
 
 #[test]
 fn memory_that_is_too_short_is_named() {
-    let mut plane = vec![0.0; WIDTH * HEIGHT];
-    let (mut short, mut ring, mut samples) = (vec![0.0; 9], vec![0.0; ring_cells(WIDTH, false)], vec![0.0; WIDTH]);
-    let mut tiles = vec![0; flags_len(WIDTH, HEIGHT)];
-    let memory = Memory {
-        image: &mut plane,
-        front: &mut short,
-        ring: &mut ring,
-        tiles: &mut tiles,
-        samples: &mut samples,
-        sources: &mut [],
-    };
+    let mut room = Room::new(&Config::PAPER_F160, WIDTH, HEIGHT, 0);
+    let memory = Memory { front: &mut [0.0; 9], ..room.memory() };
     let error = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, memory).expect_err("a short plane");
     assert_eq!(error, Error::Length { name: "the front plane", given: 9, needed: WIDTH * HEIGHT });
 }

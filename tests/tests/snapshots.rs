@@ -1,5 +1,6 @@
 //! A run that is written out and taken up again ends with the bits of one that was left alone.
 
+use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
 use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
@@ -9,7 +10,7 @@ use skyfront_core::outcome::{Outcome, Progress};
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::Kind;
 use skyfront_core::snapshot::{self, SnapshotError};
-use skyfront_tests::runs::{Room, every_kind, sky};
+use skyfront_tests::runs::{every_kind, sky};
 
 const WIDTH: usize = 23;
 const HEIGHT: usize = 14;
@@ -33,7 +34,7 @@ fn result<A: Arithmetic>(segmenter: &Segmenter<'_, A>, outcome: Outcome) -> Resu
 /// Runs in slices, with a snapshot before every poll whose number is in `stops`.
 fn run<A: Arithmetic>(config: &Config, pixels: &[f32], slice: usize, stops: impl Fn(usize) -> bool) -> (Result, usize) {
     let mut rooms: Vec<Room<A>> = Vec::new();
-    rooms.push(Room::new(config, WIDTH, HEIGHT, SOURCES, 0));
+    rooms.push(Room::new(config, WIDTH, HEIGHT, SOURCES));
     let mut bytes: Option<Vec<u8>> = None;
     let (mut polls, mut pattern) = (0, 0u32);
     loop {
@@ -54,7 +55,7 @@ fn run<A: Arithmetic>(config: &Config, pixels: &[f32], slice: usize, stops: impl
         bytes = Some(save(&mut segmenter));
         // Fresh memory, full of something else.
         pattern = pattern.wrapping_mul(0x9E37_79B1).wrapping_add(0x2F13);
-        rooms.push(Room::new(config, WIDTH, HEIGHT, SOURCES, pattern));
+        rooms.push(Room::full_of(pattern, config, WIDTH, HEIGHT, SOURCES));
     }
 }
 
@@ -91,7 +92,7 @@ fn assert_same_bits<A: Arithmetic>() {
         pixels[40] = f32::NAN;
         pixels
     };
-    for config in every_kind() {
+    for config in every_kind::<A>() {
         for slice in [1, 5, HEIGHT] {
             let (undisturbed, polls) = run::<A>(&config, &pixels, slice, |_| false);
             let (restless, _) = run::<A>(&config, &pixels, slice, |_| true);
@@ -123,7 +124,7 @@ fn resumed_runs_have_the_bits_of_undisturbed_ones_in_q11() {
 /// A snapshot from the middle of a run.
 fn halfway<A: Arithmetic>(config: &Config) -> Vec<u8> {
     let pixels = sky(Kind::Bright, 3, WIDTH, HEIGHT);
-    let mut room = Room::<A>::new(config, WIDTH, HEIGHT, SOURCES, 0);
+    let mut room = Room::<A>::new(config, WIDTH, HEIGHT, SOURCES);
     let mut segmenter = Segmenter::<A>::new(config, WIDTH, HEIGHT, room.memory()).expect("a good configuration");
     for _ in 0..100 {
         segmenter.poll(3, &mut SliceFrame(&pixels)).expect("a sky");
@@ -133,7 +134,7 @@ fn halfway<A: Arithmetic>(config: &Config) -> Vec<u8> {
 
 /// What a fresh run of a configuration says to a snapshot.
 fn offered<A: Arithmetic>(config: &Config, size: (usize, usize), bytes: &[u8]) -> SnapshotError<Ended> {
-    let mut room = Room::<A>::new(config, size.0, size.1, SOURCES, 0);
+    let mut room = Room::<A>::new(config, size.0, size.1, SOURCES);
     let mut segmenter = Segmenter::<A>::new(config, size.0, size.1, room.memory()).expect("a good configuration");
     let error = restore(&mut segmenter, bytes).expect_err("not this run's snapshot");
     let pixels = vec![0.0; size.0 * size.1];
@@ -145,7 +146,7 @@ fn offered<A: Arithmetic>(config: &Config, size: (usize, usize), bytes: &[u8]) -
 
 #[test]
 fn the_length_is_the_one_stated() {
-    for config in every_kind() {
+    for config in every_kind::<Q11>() {
         let window = if config.scheme == Scheme::SlCurvature { 11 } else { 3 };
         assert_eq!(halfway::<F32>(&config).len(), snapshot::bytes(WIDTH, HEIGHT, 4, window, SOURCES));
         assert_eq!(halfway::<Q11>(&config).len(), snapshot::bytes(WIDTH, HEIGHT, 2, window, SOURCES));
@@ -154,7 +155,7 @@ fn the_length_is_the_one_stated() {
 
 #[test]
 fn any_single_damaged_byte_is_found() {
-    let config = every_kind()[0];
+    let config = every_kind::<Q11>()[0];
     let bytes = halfway::<Q11>(&config);
     for index in 0..bytes.len() {
         let mut damaged = bytes.clone();
@@ -166,7 +167,7 @@ fn any_single_damaged_byte_is_found() {
 
 #[test]
 fn truncated_and_foreign_snapshots_are_refused() {
-    let configs = every_kind();
+    let configs = every_kind::<Q24>();
     let bytes = halfway::<Q24>(&configs[0]);
     for length in (0..bytes.len()).step_by(97).chain([bytes.len() - 1]) {
         assert_eq!(offered::<Q24>(&configs[0], (WIDTH, HEIGHT), &bytes[..length]), SnapshotError::Read(Ended));

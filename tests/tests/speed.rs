@@ -3,21 +3,27 @@
 
 use skyfront::machine::Native;
 use skyfront::pipeline::{Drive, Segmentation, segment_in};
+use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
-use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Rescale, Scheme, Start};
 use skyfront_core::error::Error;
 use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::machine::Plain;
-use skyfront_core::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::memory::flags_len;
 use skyfront_core::scheme::{Evolve, Step};
 use skyfront_core::segmenter::{Evolution, Segmenter};
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_core::stop::Change;
 use skyfront_core::sweep::{Band, Halo, ring_len};
 use skyfront_core::tiles::Tiles;
+use skyfront_workload::case::MOTIONS;
 
-const SCHEMES: [Scheme; 4] = [Scheme::Fd, Scheme::FdCurvature, Scheme::Sl, Scheme::SlCurvature];
+/// Every scheme that goes step by step.
+fn schemes() -> impl Iterator<Item = Scheme> {
+    let motions = MOTIONS.iter().filter(|motion| motion.start == Start::Frame);
+    motions.map(|motion| motion.scheme).filter(|&scheme| scheme != Scheme::FastMarching)
+}
+
 /// No multiple of a tile in either direction.
 const WIDTH: usize = 133;
 const HEIGHT: usize = 75;
@@ -56,21 +62,8 @@ fn bits(run: &Segmentation) -> (u32, Vec<u32>, Vec<u32>, Vec<u32>) {
 /// Moves a front to its end twice, with all tiles in every step and with active ones only, and
 /// compares the planes and the sums of every step; the share of tiles that were skipped.
 fn skipped<A: Arithmetic>(config: &Config, pixels: &[f32]) -> f64 {
-    let count = WIDTH * HEIGHT;
-    let cells = || vec![A::Cell::default(); count];
-    let (mut image, mut front) = (cells(), cells());
-    let mut ring = vec![A::Cell::default(); ring_cells(WIDTH, true)];
-    let mut flags = vec![0; flags_len(WIDTH, HEIGHT)];
-    let (mut samples, mut sources) = (vec![0.0; WIDTH], [Source::empty(0)]);
-    let memory = Memory {
-        image: &mut image,
-        front: &mut front,
-        ring: &mut ring,
-        tiles: &mut flags,
-        samples: &mut samples,
-        sources: &mut sources,
-    };
-    let mut segmenter = Segmenter::<A>::new(config, WIDTH, HEIGHT, memory).expect("good parameters");
+    let mut room = Room::<A>::new(config, WIDTH, HEIGHT, 1);
+    let mut segmenter = Segmenter::<A>::new(config, WIDTH, HEIGHT, room.memory()).expect("good parameters");
     while segmenter.evolution().is_none() {
         segmenter.poll(usize::MAX, &mut SliceFrame(pixels)).expect("a good image");
     }
@@ -115,7 +108,7 @@ fn skipped<A: Arithmetic>(config: &Config, pixels: &[f32]) -> f64 {
 fn skipping_tiles_at_rest_changes_no_bit() {
     for (seed, kind) in [(1, Kind::Bright), (2, Kind::Stars)] {
         let pixels = sky(kind, seed, WIDTH, HEIGHT);
-        for scheme in SCHEMES {
+        for scheme in schemes() {
             skipped::<F32<Native>>(&faint(scheme), &pixels);
             let share = skipped::<F32<Native>>(&banded(scheme), &pixels);
             // How many is a matter of the benchmarks; here the comparison must not be empty.
@@ -129,7 +122,7 @@ fn skipping_tiles_at_rest_changes_no_bit() {
 #[test]
 fn threads_and_vectors_change_no_bit() {
     let pixels = sky(Kind::Bright, 3, WIDTH, HEIGHT);
-    for scheme in SCHEMES {
+    for scheme in schemes() {
         for config in [faint(scheme), banded(scheme)] {
             let one = bits(&run::<F32<Native>>(&config, &pixels, WIDTH, 1));
             assert!(one == bits(&run::<F32<Plain>>(&config, &pixels, WIDTH, 1)), "plain code, {scheme:?}");

@@ -80,6 +80,7 @@ fn name_of_plane(stage: Stage) -> Option<&'static str> {
         Stage::Edge => Some("edge"),
         Stage::Front => Some("front"),
         Stage::Evolve => Some("evolve"),
+        Stage::Arrive => Some("arrive"),
         Stage::Measure => Some("labels"),
         _ => None,
     }

@@ -2,7 +2,9 @@
 
 use core::convert::Infallible;
 use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::config::{Config, Connectivity, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Stop};
+use skyfront_core::config::{
+    Config, Connectivity, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop,
+};
 use skyfront_core::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 
@@ -15,8 +17,18 @@ pub const HEIGHT: usize = 30;
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     preset: &'static Preset,
-    /// The scheme that moves the front.
+    motion: Motion,
+}
+
+/// How a front moves.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// What it is called in a digest's name.
+    pub name: &'static str,
+    /// The scheme.
     pub scheme: Scheme,
+    /// Where the front starts.
+    pub start: Start,
 }
 
 /// A scene and the configuration for it, but for the scheme.
@@ -57,38 +69,48 @@ static PRESETS: [Preset; 3] = [
     },
 ];
 
-/// The schemes and what they are called in a digest's name.
-const SCHEMES: [(Scheme, &str); 4] = [
-    (Scheme::Fd, "fd"),
-    (Scheme::FdCurvature, "fd-curvature"),
-    (Scheme::Sl, "sl"),
-    (Scheme::SlCurvature, "sl-curvature"),
+/// Every motion there is: what stands here has golden digests, and is tried by the tests of snapshots, upsets,
+/// budgets, memory and slices.
+pub static MOTIONS: [Motion; 6] = [
+    Motion { name: "fd", scheme: Scheme::Fd, start: Start::Frame },
+    Motion { name: "fd-curvature", scheme: Scheme::FdCurvature, start: Start::Frame },
+    Motion { name: "sl", scheme: Scheme::Sl, start: Start::Frame },
+    Motion { name: "sl-curvature", scheme: Scheme::SlCurvature, start: Start::Frame },
+    Motion { name: "fast-marching", scheme: Scheme::FastMarching, start: Start::Frame },
+    Motion { name: "near", scheme: Scheme::Fd, start: Start::Threshold { margin: 3.0 } },
 ];
+
+impl Motion {
+    /// The same run with this motion, at the paper's time step for it.
+    #[must_use]
+    pub fn of(&self, config: Config) -> Config {
+        Config { start: self.start, ..config.with_scheme(self.scheme) }
+    }
+}
 
 /// Every case, in the order of the report.
 pub fn all() -> impl Iterator<Item = Case> {
-    PRESETS.iter().flat_map(|preset| SCHEMES.iter().map(move |&(scheme, _)| Case { preset, scheme }))
+    PRESETS.iter().flat_map(|preset| MOTIONS.iter().map(move |&motion| Case { preset, motion }))
 }
 
 impl Case {
     /// The paper's best setting, for measurements.
     #[must_use]
     pub const fn paper(scheme: Scheme) -> Case {
-        Case { preset: &PRESETS[0], scheme }
+        Case { preset: &PRESETS[0], motion: Motion { name: "paper", scheme, start: Start::Frame } }
     }
 
     /// The configuration for an arithmetic: as the preset has it, in a band where the arithmetic needs one.
     #[must_use]
     pub fn config<A: Arithmetic>(&self) -> Config {
-        let config = self.preset.config.with_scheme(self.scheme);
+        let config = self.motion.of(self.preset.config);
         Config { band: A::NEEDS_BAND.or(config.band), ..config }
     }
 
-    /// The preset's name and the scheme's.
+    /// The preset's name and the motion's.
     #[must_use]
     pub fn name(&self) -> [&'static str; 2] {
-        let scheme = SCHEMES.iter().find(|(scheme, _)| *scheme == self.scheme).map_or("", |(_, name)| name);
-        [self.preset.name, scheme]
+        [self.preset.name, self.motion.name]
     }
 
     /// The scene.

@@ -1,5 +1,7 @@
 //! Helpers shared by the tests that span the crates.
 
+pub mod agreement;
+pub mod captions;
 pub mod command;
 pub mod compressed;
 pub mod evolve;

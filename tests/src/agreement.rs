@@ -1,0 +1,46 @@
+//! One configuration of the paper in the f64 reference and in every arithmetic of the core.
+
+use skyfront::crosscheck::{Comparison, compare, parameters};
+use skyfront::machine::Native;
+use skyfront::pipeline::{Drive, segment_in};
+use skyfront::read::Image;
+use skyfront::reference::{Stages, run};
+use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
+use skyfront_core::config::Config;
+use skyfront_core::error::Error;
+use skyfront_core::front::Front;
+
+/// The reference, and how far each arithmetic is from it; `None` where one cannot serve the configuration.
+pub struct Agreement {
+    /// The reference, with the paper's own `u0`.
+    pub reference: Stages,
+    /// f32, q24 and q11.
+    pub core: [Option<Comparison>; 3],
+}
+
+impl Agreement {
+    /// Runs a configuration without a band everywhere. An arithmetic that needs a band has it and is still measured
+    /// against the reference without: what the band changes counts.
+    pub fn of(config: &Config, image: &Image) -> Agreement {
+        let pixels: Vec<f64> = image.pixels.iter().map(|&pixel| pixel.into()).collect();
+        let reference = run(&parameters(config), &pixels, image.width, image.height).expect("the paper's parameters");
+        let core = [
+            beside::<F32<Native>>(config, image, &reference),
+            beside::<Q24>(config, image, &reference),
+            beside::<Q11>(config, image, &reference),
+        ];
+        Agreement { reference, core }
+    }
+}
+
+fn beside<A: Arithmetic>(config: &Config, image: &Image, reference: &Stages) -> Option<Comparison> {
+    let config = Config { band: A::NEEDS_BAND, ..*config };
+    let mut drive = Drive { keep_stages: true, ..Drive::default() };
+    match segment_in::<A>(&config, &image.pixels, image.width, image.height, &mut drive) {
+        Err(Error::Arithmetic { .. }) => None,
+        run => {
+            let unit = f64::from(Front::new(&config, image.width, image.height).unit);
+            Some(compare(&image.pixels, &run.expect("a good image"), reference, unit))
+        }
+    }
+}

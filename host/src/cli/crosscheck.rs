@@ -210,9 +210,7 @@ fn replay(folder: &Path) -> Result<()> {
 /// The configuration that the options of a manifest amount to.
 fn configuration_of(options: &Value) -> Result<Config> {
     let options = options.as_object().context("a configuration without options")?;
-    // What cannot be asked for on the command line is not in a vector either.
-    let asked = options.iter().filter(|(name, value)| *name != "start" && !(*name == "band" && *value == "none"));
-    let line = asked.flat_map(|(name, value)| {
+    let line = options.iter().flat_map(|(name, value)| {
         let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         [format!("--{name}"), value]
     });

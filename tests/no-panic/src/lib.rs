@@ -5,6 +5,8 @@
 //! the linker names the functions that could panic.
 #![no_std]
 
+mod devices;
+
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24, Real};
 use skyfront_core::budget;
 use skyfront_core::catalog::{Ellipse, Source, room_for};
@@ -14,10 +16,14 @@ use skyfront_core::error::Error;
 use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::memory::{self, Memory};
 use skyfront_core::outcome::{Outcome, Progress};
+use skyfront_core::scheme::{Evolve, Step};
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_core::snapshot::{self, SnapshotError};
 use skyfront_core::stage::Stage;
+use skyfront_core::stop::{Change, StopRule};
+use skyfront_core::sweep::{Band, Halo};
+use skyfront_core::tiles::Tiles;
 
 unsafe extern "C" {
     safe fn the_core_can_panic() -> !;
@@ -53,7 +59,7 @@ impl Frame for Through<'_> {
 
 /// The functions of one arithmetic.
 macro_rules! arithmetic {
-    ($name:ident, $arithmetic:ty, $new:literal, $poll:literal, $save:literal, $restore:literal, $look:literal, $one:literal) => {
+    ($name:ident, $arithmetic:ty, $new:literal, $poll:literal, $save:literal, $restore:literal, $evolve:literal, $look:literal, $one:literal) => {
         mod $name {
             use super::*;
 
@@ -79,6 +85,21 @@ macro_rules! arithmetic {
                 segmenter.restore(|chunk| medium.read(chunk))
             }
 
+            /// The front moved by the caller's own means.
+            #[unsafe(export_name = $evolve)]
+            fn evolve(segmenter: &mut Segmenter<'_, A>, ring: &mut [<A as Arithmetic>::Cell], flags: &mut [u8]) -> Result<Progress, Error> {
+                let Some(evolution) = segmenter.evolution() else { return segmenter.finish_evolution(0, Change::none(&StopRule::<A>::new(&Config::PAPER_F160, 1.0))) };
+                let height = evolution.front.len() / evolution.width.max(1);
+                let mut tiles = Tiles::new(flags, evolution.width, evolution.tile_rows);
+                let mut band = Band { plane: evolution.front, aux: evolution.speed, ring, width: evolution.width, halo: Halo::NONE };
+                let mut step = Step { settle: evolution.settle, change: Change::none(&evolution.rule) };
+                tiles.wake();
+                evolution.scheme.advance(&mut band, &mut tiles, 0..height, &mut step);
+                tiles.turn(&[], &[]);
+                let (change, runs) = (step.change, tiles.next_run(0, 0).map_or(0, |run| run.end));
+                segmenter.finish_evolution(runs as u32, change)
+            }
+
             #[unsafe(export_name = $look)]
             fn look(segmenter: &Segmenter<'_, A>, memory: &Memory<'_, A>) -> (u32, usize, Stage, (u64, u64), f32, usize) {
                 let digest = digest::of_cells(segmenter.image()) ^ digest::of_cells(segmenter.front());
@@ -100,9 +121,9 @@ macro_rules! arithmetic {
     };
 }
 
-arithmetic!(f32_plain, F32, "f32_new", "f32_poll", "f32_save", "f32_restore", "f32_look", "f32_one");
-arithmetic!(q24, Q24, "q24_new", "q24_poll", "q24_save", "q24_restore", "q24_look", "q24_one");
-arithmetic!(q11, Q11, "q11_new", "q11_poll", "q11_save", "q11_restore", "q11_look", "q11_one");
+arithmetic!(f32_plain, F32, "f32_new", "f32_poll", "f32_save", "f32_restore", "f32_evolve", "f32_look", "f32_one");
+arithmetic!(q24, Q24, "q24_new", "q24_poll", "q24_save", "q24_restore", "q24_evolve", "q24_look", "q24_one");
+arithmetic!(q11, Q11, "q11_new", "q11_poll", "q11_save", "q11_restore", "q11_evolve", "q11_look", "q11_one");
 
 #[unsafe(export_name = "plan")]
 fn plan(config: &Config, width: usize, height: usize, cell: usize, wide: bool, sources: usize) -> (u64, usize, usize, usize) {

@@ -4,11 +4,10 @@ use super::folders::folders;
 use super::job::{plan, process};
 use super::messages::{Volume, about_input, progress_bar, report, warnings};
 use super::segment::Arguments;
-use super::table::{self, Row};
+use super::table::{self, Facts, Row};
 use crate::write::Products;
 use anyhow::Result;
 use indicatif::ProgressBar;
-use serde_json::Value;
 use skyfront_core::config::Config;
 use std::path::Path;
 use std::process::ExitCode;
@@ -52,8 +51,8 @@ fn one(arguments: &Arguments, config: &Config, path: &Path, folder: &str, bar: &
     Row { image: path.display().to_string(), folder: folder.to_owned(), result }
 }
 
-/// Segments an image into its folder; what remains is its summary.
-fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path, bar: &ProgressBar) -> Result<Value> {
+/// Segments an image into its folder; what remains are the facts of its summary.
+fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path, bar: &ProgressBar) -> Result<Facts> {
     let name = path.display().to_string();
     let input = arguments.read(path)?;
     let manner = arguments.manner();
@@ -66,7 +65,7 @@ fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path,
     };
     let about_input = about_input(&input, arguments.volume());
     bar.suspend(|| about_input.iter().chain(&lines).for_each(|line| eprintln!("{line}")));
-    Ok(done.summary)
+    Ok(Facts::of(&done.summary, arguments.json))
 }
 
 /// `work(0)` to `work(count - 1)` on `workers` threads, the results in order.

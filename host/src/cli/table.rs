@@ -12,18 +12,32 @@ pub struct Row {
     pub image: String,
     /// Its folder below the results.
     pub folder: String,
-    /// Its summary, or why there is none.
-    pub result: Result<Value, String>,
+    /// What is told of it, or why there is nothing.
+    pub result: Result<Facts, String>,
+}
+
+/// What is kept of an image's summary: as little as the table needs, for there may be thousands.
+pub struct Facts {
+    cells: [Box<str>; COLUMNS.len()],
+    json: Option<Box<str>>,
+}
+
+impl Facts {
+    /// The facts of a summary, with its JSON where that will be printed.
+    pub fn of(summary: &Value, json: bool) -> Facts {
+        let cell = |column| match &summary[column] {
+            Value::Null => String::new(),
+            Value::String(text) => text.clone(),
+            Value::Number(number) if number.is_f64() => rounded(number.as_f64().unwrap_or(f64::NAN)),
+            value => value.to_string(),
+        };
+        Facts { cells: COLUMNS.map(|column| cell(column).into()), json: json.then(|| summary.to_string().into()) }
+    }
 }
 
 impl Row {
-    fn value(&self, column: &str) -> String {
-        match self.result.as_ref().ok().map(|summary| &summary[column]) {
-            Some(Value::String(text)) => text.clone(),
-            Some(Value::Number(number)) if number.is_f64() => rounded(number.as_f64().unwrap_or(f64::NAN)),
-            None | Some(Value::Null) => String::new(),
-            Some(value) => value.to_string(),
-        }
+    fn value(&self, column: usize) -> &str {
+        self.result.as_ref().map_or("", |facts| &facts.cells[column])
     }
 
     fn error(&self) -> &str {
@@ -31,10 +45,10 @@ impl Row {
     }
 
     /// As one line of JSON.
-    pub fn json(&self) -> Value {
+    pub fn json(&self) -> String {
         match &self.result {
-            Ok(summary) => summary.clone(),
-            Err(error) => serde_json::json!({ "input": { "file": self.image }, "error": error }),
+            Ok(facts) => facts.json.as_deref().unwrap_or_default().to_owned(),
+            Err(error) => serde_json::json!({ "input": { "file": self.image }, "error": error }).to_string(),
         }
     }
 }
@@ -47,8 +61,8 @@ pub fn write_csv(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "image,folder,{},error", COLUMNS.join(","))?;
     for row in rows {
         write!(out, "{},{}", quoted(&row.image), quoted(&row.folder))?;
-        for column in COLUMNS {
-            write!(out, ",{}", quoted(&row.value(column)))?;
+        for column in 0..COLUMNS.len() {
+            write!(out, ",{}", quoted(row.value(column)))?;
         }
         writeln!(out, ",{}", quoted(row.error()))?;
     }
@@ -67,13 +81,14 @@ fn quoted(text: &str) -> String {
 
 /// The table as lines for a reader.
 pub fn lines(rows: &[Row]) -> Vec<String> {
-    const SHOWN: [&str; 5] = ["width", "height", "n_sources", "stop", "t"];
+    // Places in `COLUMNS`.
+    const SHOWN: [usize; 5] = [0, 1, 2, 4, 5];
     let header = ["image", "width", "height", "sources", "stop", "t"].map(str::to_owned).to_vec();
     let cells = rows.iter().map(|row| {
-        let facts =
-            SHOWN.map(|column| Some(row.value(column)).filter(|text| !text.is_empty()).unwrap_or("-".to_owned()));
+        let facts = SHOWN.map(|column| if row.value(column).is_empty() { "-" } else { row.value(column) });
         let mut cells = vec![row.image.clone()];
-        cells.extend(if row.result.is_ok() { facts } else { ["-", "-", "-", "failed", "-"].map(str::to_owned) });
+        let failed = ["-", "-", "-", "failed", "-"];
+        cells.extend(if row.result.is_ok() { facts } else { failed }.map(str::to_owned));
         cells
     });
     let table: Vec<Vec<String>> = std::iter::once(header).chain(cells).collect();
@@ -99,6 +114,7 @@ mod tests {
         let summary = json!({ "width": 30, "height": 20, "n_sources": 5, "mask_pixels": 70, "stop": "rest", "t": 1.25,
             "iterations": 50, "labels_crc32": "0000abcd" });
         let row = |image: &str, result| Row { image: image.into(), folder: "f".into(), result };
+        let summary = Facts::of(&summary, false);
         vec![row("a,\"b\".fits", Ok(summary)), row("c.fits", Err("no, never".into()))]
     }
 

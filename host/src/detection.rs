@@ -13,6 +13,17 @@ use skyfront_core::stage::Stage;
 use skyfront_core::tree::Region;
 use std::time::Instant;
 
+/// Bytes that an image and [`segment`] without pictures take together, by what they hold.
+pub fn memory(width: usize, height: usize) -> [(usize, &'static str); 4] {
+    let plane = width * height * size_of::<f32>();
+    [
+        (2 * plane, "the image, and the level that is kept of it"),
+        (8 * plane, "eight planes to work in"),
+        (regions(width, height) * size_of::<Region>(), "table of regions"),
+        (2 * mesh_cells(width, height) * size_of::<Sky>(), "mesh of the sky"),
+    ]
+}
+
 /// The signal-to-noise that pictures show.
 pub mod shown {
     /// Black.

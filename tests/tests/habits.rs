@@ -12,12 +12,16 @@ const SIDE: usize = 64;
 
 /// Writes a simulated sky.
 fn sky(path: &str, seed: u32) {
-    let mut sky = Sky::new(Kind::Bright, seed, SIDE, SIDE);
+    sky_of(path, seed, SIDE);
+}
+
+fn sky_of(path: &str, seed: u32, side: usize) {
+    let mut sky = Sky::new(Kind::Bright, seed, side, side);
     let mut writer = Writer::create(Path::new(path)).expect("the file can be made");
     let row = |y, out: &mut [f32]| {
         let Ok(()) = sky.row(y, out);
     };
-    writer.image((SIDE, SIDE), &[], row).expect("the image can be written");
+    writer.image((side, side), &[], row).expect("the image can be written");
     writer.finish().expect("the file can be closed");
 }
 
@@ -156,6 +160,22 @@ fn broken_images_stop_no_others_and_memory_stays_flat() {
     }
     println!("{} images, {bad} broken: {memory_of_few} kB for 20, {memory_of_many} kB for all", images.len());
     assert!(memory_of_few > 0 && memory_of_many < memory_of_few + 6_000, "{memory_of_few} and {memory_of_many} kB");
+}
+
+#[test]
+fn memory_stays_within_what_the_budget_said_before() {
+    let folder = Folder::new("budget");
+    let image = folder.file("sky.fits");
+    sky_of(&image, 5, 700);
+    let told = stdout(&skyfront(["budget", "--width", "700", "--height", "700"]));
+    let line = told.lines().find(|line| line.contains("all memory")).expect("a total");
+    let bytes: u64 = line.split_whitespace().next().and_then(|word| word.parse().ok()).expect("a number");
+    let (output, kilobytes) =
+        watched(&["segment", &image, "--no-pictures", "--quiet", "--threads", "1", "--out", &folder.file("out")]);
+    assert!(output.status.success(), "{}", messages(&output));
+    println!("{kilobytes} kB, said {bytes} bytes");
+    // The program, its libraries and buffers.
+    assert!(kilobytes * 1000 < bytes + 14_000_000, "{kilobytes} kB, said {bytes} bytes");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! `skyfront budget`: what a run will need at most, before there is an image.
 
 use super::options::{ArithmeticOption, Options};
+use crate::detection;
 use anyhow::Result;
 use clap::Args;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
@@ -29,6 +30,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let config = arguments.options.config();
     let size = (arguments.width, arguments.height);
+    if config.detection.is_some() {
+        print!("{}", noise_aware(size)?);
+        return Ok(());
+    }
     let text = match arguments.options.arithmetic {
         ArithmeticOption::F32 => budget_of::<F32>(&config, size, arguments.sources),
         ArithmeticOption::Q24 => budget_of::<Q24>(&config, size, arguments.sources),
@@ -36,6 +41,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }?;
     print!("{text}");
     Ok(())
+}
+
+/// The budget of the noise-aware segmentation, which is one call, as text.
+fn noise_aware((width, height): (usize, usize)) -> Result<String> {
+    let parts = detection::memory(width, height);
+    let mut text = format!("{width} x {height} pixels, noise-aware, in f32\n");
+    for (bytes, what) in parts {
+        writeln!(text, "{bytes:>14} bytes  {what}")?;
+    }
+    let total: usize = parts.iter().map(|(bytes, _)| bytes).sum();
+    writeln!(text, "{total:>14} bytes  all memory, beside the program and about 1 kB a source")?;
+    Ok(text)
 }
 
 /// The budget as text.

@@ -4,8 +4,11 @@ use super::overlap::circle_polygon;
 use super::{Flux, Scene};
 use skyfront_core::flags;
 
+/// No point of a pixel is farther from its centre.
+pub(super) const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// The length of a vector; its parts are pixels, far from any overflow.
-fn length(x: f64, y: f64) -> f64 {
+pub(super) fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
@@ -16,29 +19,30 @@ pub struct Aperture {
     pub x: f64,
     /// Row of its centre.
     pub y: f64,
-    /// Semi-axis in the direction `theta`.
+    /// The first semi-axis.
     pub a: f64,
     /// The other semi-axis.
     pub b: f64,
-    /// Sine and cosine of the angle from the x axis towards y.
+    /// Sine and cosine of the angle from the x axis towards y to the first semi-axis.
     direction: (f64, f64),
+    /// The greatest distance of a pixel's corner from its centre, in units of the semi-axes.
+    reach: f64,
 }
 
 impl Aperture {
     /// A circle.
     pub fn circle(x: f64, y: f64, radius: f64) -> Aperture {
-        Aperture { x, y, a: radius, b: radius, direction: (0.0, 1.0) }
+        Aperture { x, y, a: radius, b: radius, direction: (0.0, 1.0), reach: CORNER / radius }
     }
 
     /// An ellipse around (x, y) with the semi-axes (a, b), the first in the direction `theta` from
     /// the x axis towards y, radians.
     pub fn ellipse((x, y): (f64, f64), (a, b): (f64, f64), theta: f64) -> Aperture {
-        Aperture { x, y, a, b, direction: libm::sincos(theta) }
+        Aperture { x, y, a, b, direction: libm::sincos(theta), reach: CORNER / a.min(b) }
     }
 
-    /// Calls `each` with column, row, the distance of the pixel's centre in units of the
-    /// semi-axes, and the share of the pixel inside, for every pixel of the image that has one;
-    /// whether the bounding box lies within the image.
+    /// Calls `each` with the index of every pixel of the image that may lie inside, and its place
+    /// (dx, dy) from the centre; whether the bounding box lies within the image.
     pub(super) fn visit(&self, width: usize, height: usize, mut each: impl FnMut(usize, f64, f64)) -> bool {
         let (sin, cos) = self.direction;
         let (wide, high) = (length(self.a * cos, self.b * sin), length(self.a * sin, self.b * cos));
@@ -48,48 +52,54 @@ impl Aperture {
         };
         let ((columns, inside_x), (rows, inside_y)) = (range(self.x, wide, width), range(self.y, high, height));
         for row in rows {
-            let dy = row as f64 - self.y;
             for column in columns.clone() {
-                let (distance, share) = self.share(column as f64 - self.x, dy);
-                if share > 0.0 {
-                    each(row * width + column, distance, share);
-                }
+                each(row * width + column, column as f64 - self.x, row as f64 - self.y);
             }
         }
         inside_x && inside_y
     }
 
-    /// For a pixel at (dx, dy) from the centre: the distance of its centre in units of the
-    /// semi-axes, and the share of it that lies inside.
-    pub(super) fn share(&self, dx: f64, dy: f64) -> (f64, f64) {
+    /// A place (dx, dy) from the centre in units of the semi-axes.
+    fn unit(&self, dx: f64, dy: f64) -> (f64, f64) {
         let (sin, cos) = self.direction;
-        let unit = |x: f64, y: f64| ((x * cos + y * sin) / self.a, (y * cos - x * sin) / self.b);
-        // No corner of a pixel is farther from its centre, in units of the semi-axes.
-        let reach = std::f64::consts::FRAC_1_SQRT_2 / self.a.min(self.b);
-        let (u, v) = unit(dx, dy);
-        let distance = length(u, v);
-        let share = if distance + reach <= 1.0 {
+        ((dx * cos + dy * sin) / self.a, (dy * cos - dx * sin) / self.b)
+    }
+
+    /// The distance of a place from the centre in units of the semi-axes.
+    fn distance(&self, dx: f64, dy: f64) -> f64 {
+        let (u, v) = self.unit(dx, dy);
+        length(u, v)
+    }
+
+    /// The share of a pixel at (dx, dy) from the centre that lies inside.
+    pub(super) fn share(&self, dx: f64, dy: f64) -> f64 {
+        let distance = self.distance(dx, dy);
+        if distance + self.reach <= 1.0 {
             1.0
-        } else if distance >= 1.0 + reach {
+        } else if distance >= 1.0 + self.reach {
             0.0
         } else {
-            let corner = |x: f64, y: f64| unit(dx + x, dy + y);
-            let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
+            let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| self.unit(dx + x, dy + y));
             circle_polygon(&corners) * self.a * self.b
-        };
-        (distance, share)
+        }
     }
 
     /// Flux above the background within the aperture, and the flags it earns. Undefined pixels
     /// and those of sources other than `label` are left out.
     pub fn flux(&self, scene: &Scene<'_>, label: u32) -> (Flux, u32) {
         let (mut flux, mut variance, mut flags) = (0.0, 0.0, 0);
-        let complete = self.visit(scene.width, scene.height, |index, _, share| match scene.value_for(index, label) {
-            Ok(value) => {
-                flux += share * value;
-                variance += share * scene.variance(index);
+        let complete = self.visit(scene.width, scene.height, |index, dx, dy| {
+            let share = self.share(dx, dy);
+            if share <= 0.0 {
+                return;
             }
-            Err(flag) => flags |= flag,
+            match scene.value_for(index, label) {
+                Ok(value) => {
+                    flux += share * value;
+                    variance += share * scene.variance(index);
+                }
+                Err(flag) => flags |= flag,
+            }
         });
         (scene.flux(flux, variance), flags | if complete { 0 } else { flags::APERTURE })
     }
@@ -99,7 +109,8 @@ impl Aperture {
     /// where there is no light.
     pub fn first_moment(&self, scene: &Scene<'_>, label: u32) -> Option<f64> {
         let (mut light, mut moment) = (0.0, 0.0);
-        self.visit(scene.width, scene.height, |index, distance, _| {
+        self.visit(scene.width, scene.height, |index, dx, dy| {
+            let distance = self.distance(dx, dy);
             if let (true, Ok(value)) = (distance <= 1.0, scene.value_for(index, label)) {
                 light += value;
                 moment += value * distance;

@@ -1,9 +1,7 @@
 //! The curve of growth of a source: its light within circles around the centroid.
 
+use super::aperture::{CORNER, length};
 use super::{Aperture, Scene};
-
-/// No point of a pixel is farther from its centre.
-const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Pixels around a source by their distance, with the light up to each.
 pub struct Growth {
@@ -25,10 +23,10 @@ impl Growth {
     /// of other sources are left out.
     pub fn new(scene: &Scene<'_>, label: u32, (x, y): (f64, f64), reach: f64) -> Growth {
         let mut pixels = Vec::new();
-        Aperture::circle(x, y, reach).visit(scene.width, scene.height, |index, _, _| {
-            if let Ok(value) = scene.value_for(index, label) {
-                let (dx, dy) = ((index % scene.width) as f64 - x, (index / scene.width) as f64 - y);
-                pixels.push(Pixel { distance: (dx * dx + dy * dy).sqrt(), dx, dy, value });
+        Aperture::circle(x, y, reach).visit(scene.width, scene.height, |index, dx, dy| {
+            let distance = length(dx, dy);
+            if let (true, Ok(value)) = (distance < reach + CORNER, scene.value_for(index, label)) {
+                pixels.push(Pixel { distance, dx, dy, value });
             }
         });
         pixels.sort_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -44,7 +42,7 @@ impl Growth {
         let circle = Aperture::circle(0.0, 0.0, radius);
         let first = |distance: f64| self.pixels.partition_point(|pixel| pixel.distance < distance);
         let (whole, end) = (first(radius - CORNER), first(radius + CORNER));
-        let cut = self.pixels[whole..end].iter().map(|pixel| pixel.value * circle.share(pixel.dx, pixel.dy).1);
+        let cut = self.pixels[whole..end].iter().map(|pixel| pixel.value * circle.share(pixel.dx, pixel.dy));
         self.before[whole] + cut.sum::<f64>()
     }
 }

@@ -1,4 +1,4 @@
-//! Images in which nothing can stand out: constant ones, and those too small to have a sky.
+//! Images in which nothing can stand out: constant or blank ones, and those too small to have a sky.
 //!
 //! They are no error on the ground, where one of a thousand frames may be blank: the run has no
 //! source, and says why.
@@ -25,6 +25,7 @@ pub fn found(
         Error::Size { least, .. } if width < least || height < least => {
             format!("{width} x {height} pixels are too few: sources need at least {least} x {least}")
         }
+        Error::NothingDefined { .. } => "no pixel is defined: nothing can be found".to_owned(),
         real => return Err(real),
     };
     let mut extremes = Extremes::NONE;

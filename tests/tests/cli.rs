@@ -148,11 +148,10 @@ fn parameters_out_of_bounds_name_parameter_value_and_bound() {
 #[test]
 fn an_image_in_which_nothing_can_stand_out_has_every_product_and_no_source() {
     let folder = Folder::new("flat");
-    for (width, height) in [(1, 1), (2, 2), (1, 30), (30, 4), (40, 30)] {
+    for (width, height, blank) in [(1, 1, 0), (2, 2, 0), (1, 30, 0), (30, 4, 0), (40, 30, 0), (40, 30, 5), (1, 1, 5)] {
         let image = folder.file("flat.fits");
-        let axes = [width as u64, height as u64];
-        fs::write(&image, Header::primary(16, &axes).with(samples(16, &vec![5.0; width * height])))
-            .expect("the image can be written");
+        let header = Header::primary(16, &[width as u64, height as u64]).card("BLANK", blank);
+        fs::write(&image, header.with(samples(16, &vec![5.0; width * height]))).expect("the image can be written");
         for preset in ["noise-aware", "paper-f160"] {
             let out = folder.file("out");
             let more = ["--regions", "--polygons", "--catalog-format", "csv,ecsv,fits,jsonl"];

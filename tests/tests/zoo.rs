@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use skyfront::read::{self, HduChoice, Image, ReadError};
+use skyfront_tests::command::{Folder, messages, skyfront};
 
 /// One line of the manifest.
 struct Case {
@@ -65,6 +66,33 @@ fn every_file_behaves_as_the_manifest_says() {
         complaints.extend(complaint(case, &outcome).map(|what| format!("{} ({}): {what}", case.name, case.expect)));
     }
     assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+}
+
+#[test]
+fn every_readable_file_is_segmented_and_the_others_are_one_line_each() {
+    let Some(shared) = shared() else { return };
+    let cases = manifest(&shared.join("fits-zoo"));
+    let folder = Folder::new("zoo");
+    let (out, files) = (folder.file("out"), cases.iter().map(|case| shared.join("fits-zoo").join(&case.name)));
+    let line = ["segment", "--quiet", "--json", "--no-pictures", "--out", &out].map(PathBuf::from);
+    let output = skyfront(line.into_iter().chain(files));
+    assert_eq!(output.status.code(), Some(1), "some must fail");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let results: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    assert_eq!(results.len(), cases.len());
+    let mut complaints = Vec::new();
+    for (case, result) in cases.iter().zip(&results) {
+        let failed = result.get("error").is_some();
+        let right = match case.expect.as_str() {
+            "ok" => !failed,
+            "error" => failed,
+            _ => true,
+        };
+        complaints.extend((!right).then(|| format!("{} ({}): {result}", case.name, case.expect)));
+    }
+    assert!(complaints.is_empty(), "\n{}", complaints.join("\n"));
+    let failures = results.iter().filter(|result| result.get("error").is_some()).count();
+    assert_eq!(messages(&output).lines().count(), failures, "{}", messages(&output));
 }
 
 /// The first pixel in which two planes differ; any NaN equals any other.

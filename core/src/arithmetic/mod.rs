@@ -146,6 +146,26 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + Send + Sync + 's
     fn sqrt(x: Self::Real) -> Self::Real;
     /// `sqrt((a^2 + b^2) + (c^2 + d^2))`: the length of the upwind gradient.
     fn norm(a: Self::Real, b: Self::Real, c: Self::Real, d: Self::Real) -> Self::Real;
+    /// The length of the upwind gradient, undivided (`nabla^+`), where the four neighbours lie
+    /// lower by `drops`; those that lie higher are of no account.
+    #[inline(always)]
+    fn descent(drops: [Self::Real; 4]) -> Self::Real {
+        // Written out, here and below: a compiler that saves code leaves `map` a loop.
+        let [l, r, b, a] = drops;
+        Self::norm(l.positive(), r.positive(), b.positive(), a.positive())
+    }
+
+    /// One pixel of the first-order scheme: `v - courant g` times [`Self::descent`] towards the
+    /// neighbours `around`.
+    #[inline(always)]
+    fn retreat(v: Self::Cell, around: [Self::Cell; 4], courant: Self::Real, g: Self::Cell) -> Self::Cell {
+        let v = Self::level(v);
+        let [l, r, b, a] = around;
+        let drops = [v - Self::level(l), v - Self::level(r), v - Self::level(b), v - Self::level(a)];
+        let gradient = Self::descent(drops);
+        Self::to_level(v - (courant * Self::pixel(g)) * gradient)
+    }
+
     /// The unit vector along `(x, y)`, or `None` where its length is at most `least > 0`.
     fn unit(x: Self::Real, y: Self::Real, least: Self::Real) -> Option<(Self::Real, Self::Real)>;
     /// `x^p` for x in [0, 1].

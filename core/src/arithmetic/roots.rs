@@ -23,24 +23,28 @@ const GUESS: [u8; 256] = {
     table
 };
 
-/// The square root, rounded down.
+/// The square root of `n > 0` as `root / 2^shift`, the root from 2^15 to 2^16: within 1 of the exact one.
 #[inline]
 #[allow(clippy::indexing_slicing, reason = "a byte is below the length of the table")]
+pub fn scaled32(n: u32) -> (u32, u32) {
+    let (m, shift) = (n, 0u32);
+    let (m, shift) = if m < 1 << 16 { (m << 16, 8) } else { (m, shift) };
+    let (m, shift) = if m < 1 << 24 { (m << 8, shift | 4) } else { (m, shift) };
+    let (m, shift) = if m < 1 << 28 { (m << 4, shift | 2) } else { (m, shift) };
+    let (m, shift) = if m < 1 << 30 { (m << 2, shift | 1) } else { (m, shift) };
+    let guess = u32::from(GUESS[(m >> 24) as u8 as usize]) << 8 | 0x80;
+    // The mean of guess and quotient is never below the root, and above it by less than 1.
+    ((guess + m / guess) >> 1, shift)
+}
+
+/// The square root, rounded down.
+#[inline]
 pub fn floor32(n: u32) -> u32 {
     if n == 0 {
         return 0;
     }
-    let (mut m, mut half_shift) = (n, 0);
-    for bits in [16, 8, 4, 2] {
-        if m >> (32 - bits) == 0 {
-            m <<= bits;
-            half_shift += bits >> 1;
-        }
-    }
-    let guess = u32::from(GUESS[(m >> 24) as u8 as usize]) << 8 | 0x80;
-    // The mean of guess and quotient is never below the root, and above it by less than 1.
-    let above = (guess + m / guess) >> 1;
-    let root = (above >> half_shift).min(0xFFFF);
+    let (above, shift) = scaled32(n);
+    let root = (above >> shift).min(0xFFFF);
     root.wrapping_sub(u32::from(root.wrapping_mul(root) > n))
 }
 
@@ -91,6 +95,9 @@ mod tests {
             let first = root * root;
             let last = first + 2 * root;
             assert_eq!((floor32(first), floor32(last)), (root, root), "root {root}");
+            let (scaled, shift) = scaled32(last.max(1));
+            let exact = libm::sqrt(f64::from(last.max(1))) * f64::from(1u32 << shift);
+            assert!((32768..=65536).contains(&scaled) && (f64::from(scaled) - exact).abs() < 1.0, "{last}");
             assert_eq!((nearest32(first + root), nearest32(last)), (root, root + u32::from(root > 0)), "root {root}");
         }
     }

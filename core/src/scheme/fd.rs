@@ -14,12 +14,6 @@ pub struct Fd<A: Arithmetic> {
     courant: A::Real,
 }
 
-/// The upwind gradient of a shrinking positive region, undivided (`nabla^+`).
-#[inline(always)]
-pub(super) fn upwind<A: Arithmetic>(v: A::Real, l: A::Real, r: A::Real, b: A::Real, a: A::Real) -> A::Real {
-    A::norm((v - l).positive(), (r - v).negative(), (v - b).positive(), (a - v).negative())
-}
-
 impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
@@ -29,9 +23,7 @@ impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
         for ((((((new, &v), &l), &r), &b), &a), &g) in
             new.iter_mut().zip(centre).zip(left).zip(right).zip(below).zip(above).zip(speed)
         {
-            let v = A::level(v);
-            let gradient = upwind::<A>(v, A::level(l), A::level(r), A::level(b), A::level(a));
-            *new = A::to_level(v - (courant * A::pixel(g)) * gradient);
+            *new = A::retreat(v, [l, r, b, a], courant, g);
         }
     }
 }

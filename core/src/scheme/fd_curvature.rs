@@ -1,6 +1,6 @@
 //! Finite differences with curvature: `v - dt g |grad v| (1 - nu k)` (`DFgk`).
 
-use super::{Evolve, Step, fd::upwind, flat_limit, tracked};
+use super::{Evolve, Step, flat_limit, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, CurvatureForm, Scheme};
 use crate::sweep::{Band, Cross, Kernel, cross, shifted};
@@ -70,7 +70,7 @@ impl<A: Arithmetic> Kernel<A, 3> for FdCurvature<A> {
         for (((new, ((((&v, &l), &r), &b), &a)), corners), &g) in new.iter_mut().zip(sides).zip(corners).zip(speed) {
             let v = A::level(v);
             let n = Around { l: A::level(l), r: A::level(r), b: A::level(b), a: A::level(a), corners };
-            let gradient = upwind::<A>(v, n.l, n.r, n.b, n.a);
+            let gradient = A::descent([v - n.l, v - n.r, v - n.b, v - n.a]);
             let g = A::pixel(g);
             *new = A::to_level(v - (scheme.courant * g) * gradient + g * scheme.curvature(v, &n));
         }

@@ -13,7 +13,7 @@ use crate::frame::Frame;
 use crate::front::{Front, LEAST_SIDE};
 use crate::memory::{Memory, flags_len};
 use crate::outcome::{Outcome, Progress};
-use crate::scheme::{AnyScheme, Evolve};
+use crate::scheme::{AnyScheme, Chosen, Evolve};
 use crate::settle::Settle;
 use crate::snapshot::{Parts, SnapshotError};
 use crate::stage::Stage;
@@ -27,7 +27,7 @@ use crate::tiles::rows_of_tile;
 /// [`crate::scheme`] leaves the others out of the program.
 #[derive(Debug)]
 pub struct Segmenter<'m, A: Arithmetic, S: Evolve<A> = AnyScheme<A>> {
-    config: Config,
+    config: Chosen<A, S>,
     width: usize,
     height: usize,
     bound: u64,
@@ -68,6 +68,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// # Errors
     /// [`Error::Parameter`], [`Error::Arithmetic`], [`Error::Size`] or [`Error::Length`].
     pub fn new(config: &Config, width: usize, height: usize, memory: Memory<'m, A>) -> Result<Self, Error> {
+        let (given, chosen) = (config, Chosen::<A, S>::new(*config));
+        let config = &*chosen;
         config.validate::<A>()?;
         let most_pixels = (A::Cell::MAX_LABEL as usize).saturating_mul(64);
         let pixels = width.saturating_mul(height);
@@ -75,9 +77,9 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             return Err(Error::Size { width, height, least: LEAST_SIDE, most_pixels });
         }
         let front = Front::new(config, width, height);
-        let scheme = S::new(config, front.unit).map_err(|_| Error::Arithmetic {
+        let scheme = S::new(given, front.unit).map_err(|_| Error::Arithmetic {
             name: A::NAME,
-            reason: "the configuration names another scheme than this program was built for",
+            reason: "the configuration names another scheme or setting than this program was built for",
         })?;
         memory.check(width, height, scheme.window())?;
         let flags = flags_len(width, height);
@@ -87,7 +89,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let bound = budget::total_rows(config, height);
         let settle = Settle::new(config.band);
         Ok(Segmenter {
-            config: *config,
+            config: chosen,
             width,
             height,
             bound,

@@ -18,17 +18,14 @@ const MOST: u8 = 8;
 impl Exponent {
     /// Sorts the exponent `p > 0`.
     pub fn of(p: f32) -> Exponent {
-        let mut power = 1.0;
-        for n in 0..=MOST {
-            if p == power {
-                return Exponent::Squarings(n);
-            }
-            if p * power == 1.0 {
-                return Exponent::Roots(n);
-            }
-            power *= 2.0;
+        // A power of two has no fraction bits beside its leading one.
+        let (fraction, exponent) = (p.to_bits() << 9, (p.to_bits() >> 23) as i32 - 127);
+        let n = exponent.unsigned_abs();
+        match u8::try_from(n) {
+            Ok(n) if fraction == 0 && n <= MOST && exponent >= 0 => Exponent::Squarings(n),
+            Ok(n) if fraction == 0 && n <= MOST => Exponent::Roots(n),
+            _ => Exponent::Any(p),
         }
-        Exponent::Any(p)
     }
 
     /// The exponent as a number.

@@ -42,6 +42,8 @@ macro_rules! each {
 }
 
 impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
+    const MARCHES: bool = true;
+
     fn new(config: &Config, unit: f32) -> Result<Self, Scheme> {
         let fine = config.directions == 64;
         match (config.scheme, fine) {

@@ -12,6 +12,8 @@ use core::ops::Range;
 pub struct Marching;
 
 impl<A: Arithmetic> Evolve<A> for Marching {
+    const MARCHES: bool = true;
+
     fn new(config: &Config, _unit: f32) -> Result<Self, Scheme> {
         match config.scheme {
             Scheme::FastMarching => Ok(Marching),

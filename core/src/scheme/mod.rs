@@ -7,6 +7,7 @@ mod any;
 mod fd;
 mod fd_curvature;
 mod marching;
+mod preset;
 mod sl;
 mod sl_curvature;
 
@@ -14,6 +15,8 @@ pub use any::AnyScheme;
 pub use fd::Fd;
 pub use fd_curvature::FdCurvature;
 pub use marching::Marching;
+pub(crate) use preset::Chosen;
+pub use preset::{Fixed, Preset};
 pub use sl::Sl;
 pub use sl_curvature::SlCurvature;
 
@@ -28,6 +31,13 @@ use core::ops::Range;
 /// A scheme for the evolution, chosen at compile time (one scheme in the program) or at run time
 /// ([`AnyScheme`]).
 pub trait Evolve<A: Arithmetic>: Sized {
+    /// The one configuration that a program with this type can run, or `None` for all of the
+    /// scheme's: see [`Preset`].
+    const ONLY: Option<Config> = None;
+
+    /// Whether the front may be found by arrival times in place of steps.
+    const MARCHES: bool = false;
+
     /// Builds the scheme of a validated configuration, or says that it is another one.
     ///
     /// # Errors

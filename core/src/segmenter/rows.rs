@@ -98,6 +98,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     }
 
     fn march_row(&mut self, y: usize) {
+        if !S::MARCHES {
+            return;
+        }
         let (width, pixels) = (self.width, self.width.saturating_mul(self.height));
         let front = self.memory.front.get_mut(..pixels).unwrap_or(&mut []);
         let speed = self.memory.image.get(..pixels).unwrap_or(&[]);

@@ -175,10 +175,41 @@ struct ActiveRun<'a, 'b, A: Arithmetic, K, const N: usize> {
 impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> Task for ActiveRun<'_, '_, A, K, N> {
     type Output = ();
 
+    #[inline(always)]
+    fn run(self) {
+        if VECTORS { self.tile_by_tile() } else { self.row_by_row() }
+    }
+}
+
+/// Whether the processor has vector units, which want loops of constant length.
+const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
+
+impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> ActiveRun<'_, '_, A, K, N> {
+    /// Whole rows of the run, then their marks: the least instructions where there are no vectors,
+    /// and the least code.
+    #[inline(always)]
+    fn row_by_row(self) {
+        let ActiveRun { kernel: shared, band, columns, rows, first, tile_rows, flags } = self;
+        let mut kernel = *shared;
+        let mut run = Run::<A::Cell, N>::new(band, &columns, rows.start);
+        for y in rows {
+            let marker = Marker::new::<N>(y - first, tile_rows);
+            let (old, aux, new) = run.next_row(y);
+            kernel.row(&old, aux, new);
+            let before = centre_of(&old, new.len());
+            kernel.settle(before, new);
+            let pieces = before.chunks(COLUMNS).zip(new.chunks(COLUMNS));
+            for (flag, (before, after)) in flags.iter_mut().zip(pieces) {
+                marker.mark::<_, N>(flag, before, after);
+            }
+        }
+        *shared = kernel;
+    }
+
     /// Tile by tile: loops of constant length become vectors, and what is computed in a tile's own
     /// array stays in registers until it is compared and stored.
     #[inline(always)]
-    fn run(self) {
+    fn tile_by_tile(self) {
         let ActiveRun { kernel: shared, band, columns, rows, first, tile_rows, flags } = self;
         // A copy: behind the reference it could change with every cell written.
         let mut kernel = *shared;
@@ -226,7 +257,8 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> Task for ActiveRun<'
     }
 }
 
-/// Some columns of a band, row after row: keeps the ring and cuts the windows.
+/// Some columns of a band, row after row: keeps the ring and cuts the windows. Without vectors one
+/// function each for all kernels of a size: a call a row saves a quarter of the flash.
 struct Run<'a, C, const N: usize> {
     plane: &'a mut [C],
     aux: &'a [C],
@@ -244,7 +276,8 @@ impl<'a, C: Copy, const N: usize> Run<'a, C, N> {
     const RADIUS: usize = N / 2;
 
     /// A run about to do row `y`.
-    #[inline(always)]
+    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(always))]
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(never))]
     fn new(band: &'a mut Band<'_, C>, columns: &Range<usize>, y: usize) -> Self {
         let (height, width, columns) = (band.height(), band.width, columns.clone());
         let mut rows = band.ring.chunks_exact_mut(row_stride(width, N));
@@ -259,7 +292,8 @@ impl<'a, C: Copy, const N: usize> Run<'a, C, N> {
 
     /// Saves the last row that row `y` looks at; the window of old rows around row `y`, the
     /// matching piece of the other plane (in whole tiles, where it goes on), and the piece to write.
-    #[inline(always)]
+    #[cfg_attr(any(target_arch = "x86_64", target_arch = "aarch64"), inline(always))]
+    #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(never))]
     fn next_row(&mut self, y: usize) -> ([&[C]; N], &[C], &mut [C]) {
         self.slots.rotate_left(1);
         if let Some(slot) = self.slots.last_mut() {

@@ -155,7 +155,7 @@ impl Marker {
 
     /// Adds to `flag` what a change from `old` to `new` in this row of the tile sets.
     #[inline(always)]
-    pub(crate) fn mark<C: Cell, const N: usize>(self, flag: &mut u8, old: &[C; COLUMNS], new: &[C; COLUMNS]) {
+    pub(crate) fn mark<C: Cell, const N: usize>(self, flag: &mut u8, old: &[C], new: &[C]) {
         // Where the front moves, most tiles have all their flags after a row or two.
         let all = self.row | LEFT | RIGHT;
         if *flag & all == all {
@@ -164,7 +164,7 @@ impl Marker {
         let differ = |(v, w): (&C, &C)| v.bits() != w.bits();
         if old.iter().zip(new).fold(0, |bits, (v, w)| bits | (v.bits() ^ w.bits())) != 0 {
             let left = old.iter().zip(new).take(N / 2).any(differ);
-            let right = old.iter().zip(new).skip(COLUMNS - N / 2).any(differ);
+            let right = old.iter().zip(new).skip(new.len().saturating_sub(N / 2)).any(differ);
             *flag |= self.row | if left { LEFT } else { 0 } | if right { RIGHT } else { 0 };
         }
     }

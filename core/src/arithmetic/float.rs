@@ -76,8 +76,8 @@ impl Cell for f32 {
     }
 }
 
-/// Cells whose changes surely add up in 32 bits.
-const PIECE: usize = 256;
+/// Cells that are looked at together: their changes surely add up in 32 bits.
+const PIECE: usize = 32;
 /// The largest change that is told from larger ones: the last step before 1/2.
 const LARGEST_CHANGE: f32 = 0.499_999_97;
 
@@ -182,7 +182,9 @@ impl<M: Machine> Arithmetic for F32<M> {
         const HALF: f32 = 0.5;
         let pieces = old.chunks(PIECE).zip(new.chunks(PIECE));
         pieces.fold(0, |sum, (old, new)| {
-            if old.iter().fold(true, |far, v| far & (v.abs() > limit)) {
+            // The bits of positive numbers sort as the numbers do: the sign says "beyond the limit".
+            let beyond = |v: &f32| (limit.to_bits() as i32).wrapping_sub(v.abs().to_bits() as i32);
+            if old.iter().fold(-1, |far, v| far & beyond(v)) < 0 {
                 return sum;
             }
             let units = old.iter().zip(new).fold(0u32, |sum, (&v, &w)| {

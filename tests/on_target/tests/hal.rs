@@ -2,15 +2,15 @@
 
 use embedded_hal::spi::SpiDevice;
 use skyfront_core::arithmetic::F32;
-use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::hal::{CHUNK, Heartbeat, MapWriter, MemoryError, MemoryFrame, PixelFormat, PollError, SerialMemory};
-use skyfront_core::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::memory::{flags_len, ring_cells};
 use skyfront_core::outcome::Progress;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_workload::fram::{Failed, Fault, Fram, Pin};
+use skyfront_workload::run::Planes;
 
 const WIDTH: usize = 37;
 const HEIGHT: usize = 12;
@@ -20,6 +20,10 @@ const IMAGE: u32 = 0x01_0203;
 /// Where the map lies.
 const MAP: u32 = 0x01_2001;
 const SIZE: usize = 0x01_4000;
+/// Rows between two edges of the heartbeat, at most.
+const BEAT: usize = 5;
+/// The memory of a run.
+type Room = Planes<F32, WIDTH, PIXELS, { ring_cells(WIDTH, false) }, { flags_len(WIDTH, HEIGHT) }>;
 const FORMATS: [PixelFormat; 3] = [PixelFormat::U8, PixelFormat::U16Le, PixelFormat::U16Be];
 
 /// Whole pixel values of a small sky; 9 stands for "undefined" once.
@@ -188,23 +192,15 @@ fn through_devices(fault: Option<Fault>) -> Flight {
     let mut fram = Fram::new(&mut bytes);
     fram.fault = fault;
     let mut frame = frame(fram, format);
-    let (mut image, mut front) = ([0.0; PIXELS], [0.0; PIXELS]);
-    let mut tiles = [0; flags_len(WIDTH, HEIGHT)];
-    let (mut ring, mut samples) = ([0.0; ring_cells(WIDTH, false)], [0.0; WIDTH]);
-    let mut sources = [Source::empty(0); 8];
-    let memory = Memory {
-        image: &mut image,
-        front: &mut front,
-        ring: &mut ring,
-        tiles: &mut tiles,
-        samples: &mut samples,
-        sources: &mut sources,
-    };
-    let mut run = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, memory).unwrap();
-    let mut heartbeat = Heartbeat::new(Pin::default(), 5);
+    let mut room = Room::ZERO;
+    let mut run = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, room.memory()).unwrap();
+    let mut heartbeat = Heartbeat::new(Pin::default(), BEAT);
     let (mut failures, mut polls) = (0, 0);
     loop {
-        match heartbeat.poll(&mut run, &mut frame) {
+        let (before, _) = run.work();
+        let polled = heartbeat.poll(&mut run, &mut frame);
+        assert!(run.work().0 - before <= BEAT as u64, "too long without an edge");
+        match polled {
             Ok(Progress::Working { .. }) => polls += 1,
             Ok(Progress::Done(_)) => break,
             Err(PollError::Run(skyfront_core::error::Error::Frame(MemoryError::Bus(Failed)))) => failures += 1,
@@ -252,18 +248,8 @@ fn a_fault_at_any_transaction_is_reported_and_changes_nothing() {
 #[test]
 fn the_memory_gives_the_same_result_as_a_slice() {
     let pixels = as_pixels(&values(PixelFormat::U16Le));
-    let (mut image, mut front) = ([0.0; PIXELS], [0.0; PIXELS]);
-    let mut tiles = [0; flags_len(WIDTH, HEIGHT)];
-    let (mut ring, mut samples) = ([0.0; ring_cells(WIDTH, false)], [0.0; WIDTH]);
-    let memory = Memory {
-        image: &mut image,
-        front: &mut front,
-        ring: &mut ring,
-        tiles: &mut tiles,
-        samples: &mut samples,
-        sources: &mut [],
-    };
-    let mut run = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, memory).unwrap();
+    let mut room = Room::ZERO;
+    let mut run = Segmenter::<F32>::new(&Config::PAPER_F160, WIDTH, HEIGHT, room.memory()).unwrap();
     while !matches!(run.poll(HEIGHT, &mut SliceFrame(&pixels)).unwrap(), Progress::Done(_)) {}
     let labels: Vec<u32> = run.front().iter().map(|&cell| cell as u32).collect();
     assert_eq!(through_devices(None).labels, labels);

@@ -9,4 +9,4 @@
 
 #[allow(unsafe_code)]
 pub mod machine;
-pub mod measured;
+pub mod sized;

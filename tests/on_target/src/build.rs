@@ -51,6 +51,16 @@ pub fn compiler() -> Result<String> {
 
 /// Builds every program of the firmware for every machine.
 pub fn all() -> Result<()> {
+    cargo(&["build", "--bins"], &[]).context("the firmware does not build")
+}
+
+/// Looks for lints in the firmware, which is no part of the workspace; any is an error.
+pub fn lint() -> Result<()> {
+    cargo(&["clippy", "--bins"], &["--", "-D", "warnings"]).context("the firmware has lints")
+}
+
+/// Runs cargo in the firmware's folder, for every machine.
+fn cargo(command: &[&str], rest: &[&str]) -> Result<()> {
     let tools = toolchain()?;
     let mut cargo = Command::new(&tools.cargo);
     cargo.current_dir(folder());
@@ -64,14 +74,14 @@ pub fn all() -> Result<()> {
         .env("RUSTC", &tools.rustc)
         // The library's source is built with the compiler it belongs to: a right of that compiler's own build.
         .env("RUSTC_BOOTSTRAP", "1")
-        .args(["build", "--release", "--locked", "--bins", "-Zbuild-std=core"])
-        .args(["--target-dir", "target"]);
+        .args(command)
+        .args(["--release", "--locked", "-Zbuild-std=core", "--target-dir", "target"]);
     for machine in &MACHINES {
         cargo.args(["--target", machine.target]);
     }
-    let status = cargo.status().with_context(|| format!("cannot start {}", tools.cargo))?;
+    let status = cargo.args(rest).status().with_context(|| format!("cannot start {}", tools.cargo))?;
     if !status.success() {
-        bail!("the firmware does not build");
+        bail!("cargo {} failed", command.join(" "));
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use crate::machines::Machine;
 use crate::report::Report;
 use anyhow::{Context, Result, anyhow, bail};
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
@@ -27,18 +28,18 @@ impl Drop for Emulator {
 /// When the emulator does not start, the program prints something that is no report, ends before its last
 /// line or is not there after `limit`. The message names machine, program and the last line seen.
 pub fn run(machine: &Machine, bin: &str, limit: Duration) -> Result<Report> {
-    collect(machine, bin, limit).with_context(|| format!("{bin} on {}", machine.name))
+    let image = build::image(machine.target, bin);
+    collect(machine, &image, limit).with_context(|| format!("{bin} on {}", machine.name))
 }
 
-fn collect(machine: &Machine, bin: &str, limit: Duration) -> Result<Report> {
-    let image = build::image(machine.target, bin);
+fn collect(machine: &Machine, image: &Path, limit: Duration) -> Result<Report> {
     if !image.is_file() {
         bail!("no image {}", image.display());
     }
     let (program, arguments) = machine.emulator.split_first().context("no emulator is named")?;
     let mut child = Command::new(program)
         .args(arguments)
-        .arg(&image)
+        .arg(image)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::inherit())
@@ -92,6 +93,23 @@ fn read(lines: &Receiver<String>, end: Instant) -> Result<Report, Problem> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What is wrong with a machine whose emulator is a command of this one.
+    fn wrong(emulator: &'static [&'static str], image: &str) -> String {
+        let machine = Machine { name: "none", target: "none", emulator };
+        format!("{:#}", collect(&machine, Path::new(image), Duration::from_millis(500)).unwrap_err())
+    }
+
+    #[test]
+    fn a_machine_that_is_not_there_or_hangs_or_dies_says_which() {
+        let here = concat!(env!("CARGO_MANIFEST_DIR"), "/src/emulator.rs");
+        assert_eq!(wrong(&["true"], "no/such/image"), "no image no/such/image");
+        assert!(wrong(&["no-such-emulator"], here).starts_with("cannot start no-such-emulator"));
+        assert!(wrong(&["sh", "-c", "echo digest a 0000002a; exec sleep 60"], here).starts_with("hung"));
+        assert!(wrong(&["sh", "-c", "echo digest a 0000002a"], here).starts_with("incomplete"));
+        let unknown = Machine { name: "none", target: "none", emulator: &["true"] };
+        assert!(run(&unknown, "digests", Duration::ZERO).unwrap_err().to_string().contains("digests on none"));
+    }
 
     fn told(lines: &[&str]) -> (Result<Report, Problem>, bool) {
         let (sender, receiver) = channel();

@@ -2,6 +2,7 @@
 //!
 //! Installs what it needs where it may (see `tests/firmware/setup`), builds, runs, compares:
 //!
+//! - `lint`: clippy over the firmware, which is no part of the workspace;
 //! - `host`: the golden digests on this machine; with `--store`, writes them;
 //! - `digests`: the golden digests on every processor;
 //! - `paper`: the paper's size on the Cortex-M7;
@@ -17,6 +18,7 @@ mod emulator;
 mod machines;
 mod report;
 mod resources;
+mod tables;
 
 use anyhow::{Context, Result, bail};
 use machines::{MACHINES, Machine};
@@ -28,7 +30,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const PARTS: [&str; 5] = ["host", "digests", "paper", "flight", "resources"];
+const PARTS: [&str; 6] = ["host", "digests", "paper", "flight", "resources", "lint"];
 
 /// How long a program may take: several times what it takes on two busy cores.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -37,7 +39,7 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
     if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
-        bail!("usage: skyfront-on-target [host|digests|paper|flight|resources] [--store]");
+        bail!("usage: skyfront-on-target [host|digests|paper|flight|resources|lint] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
     let store = options.contains(&"--store");
@@ -60,6 +62,9 @@ fn main() -> Result<()> {
     }
     if wanted("resources") {
         problems += needs(store)?;
+    }
+    if wanted("lint") {
+        build::lint()?;
     }
     verdict(problems)
 }
@@ -165,7 +170,7 @@ fn flight() -> usize {
 /// Measures, and stores or compares.
 fn needs(store: bool) -> Result<usize> {
     let table = resources::measure()?;
-    print!("{}", resources::markdown(&table));
+    print!("{}", tables::markdown(&table));
     if store {
         resources::store(&table)?;
         return Ok(0);

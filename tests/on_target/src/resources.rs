@@ -1,68 +1,87 @@
-//! What each configuration of the core needs on each machine, and the gate against growth.
+//! What the core needs on a processor with and one without an FPU, and the gate against growth.
+//!
+//! `tests/resources.txt` is the table: lines `size MACHINE PROGRAM WHAT BYTES` and
+//! `cost MACHINE ARITHMETIC STAGE VARIANT INSTRUCTIONS`, the instructions those of a pixel in the costliest pass
+//! (variants: [`skyfront_core::budget::variant`]). The README's tables are made from it.
 
-use crate::machines::{MACHINES, Machine};
+use crate::machines::{MEASURED, Machine};
 use crate::report::Report;
+use crate::tables;
 use crate::{build, elf, emulator};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
+use skyfront_workload::cost;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
 /// The programs that are one configuration each, and what the table calls them.
-pub const PROGRAMS: [(&str, &str); 4] = [
-    ("measure_f32_fd", "f32, FD"),
-    ("measure_f32_any", "f32, all schemes"),
-    ("measure_q24_fd", "q24, FD"),
-    ("measure_q11_fd", "q11, FD"),
+pub const PROGRAMS: [(&str, &str); 5] = [
+    ("size_f32_paper", "f32-paper"),
+    ("size_f32_fd", "f32-fd"),
+    ("size_f32_any", "f32-any"),
+    ("size_q24_fd", "q24-fd"),
+    ("size_q11_fd", "q11-fd"),
 ];
 
-/// Stages whose instructions are in the table.
-const STAGES: [&str; 9] = ["normalize", "otsu", "rescale", "filter", "gradient", "edge", "front", "evolve", "measure"];
+/// How long a program may take.
+const LIMIT: Duration = Duration::from_secs(600);
 
 /// Growth beyond this fails, in percent.
 const TOLERANCE: f64 = 5.0;
 
-/// Values by `MACHINE PROGRAM WHAT UNIT`.
+/// Values by the words before them.
 pub type Table = BTreeMap<String, f64>;
 
-/// Measures every program on every machine.
+/// Measures every program on every machine of the table.
 ///
 /// # Errors
 /// When an image cannot be read or run, or uses more stack than its call graph has.
 pub fn measure() -> Result<Table> {
     let mut table = Table::new();
-    for machine in &MACHINES {
-        for (program, _) in PROGRAMS {
-            let needs = elf::needs(&build::image(machine.target, program))?;
-            let report = emulator::run(machine, program, Duration::from_secs(600))?;
-            let mut put = |what: &str, value: f64| table.insert(format!("{} {program} {what}", machine.name), value);
-            put("flash bytes", needs.flash as f64);
-            put("memory bytes", needs.memory as f64);
-            put("stack bytes", needs.stack as f64);
-            let painted = value(&report, "stack").context("no painted stack")?;
-            put("painted-stack bytes", painted);
-            for (stage, count) in STAGES.iter().filter_map(|stage| Some((stage, per_pixel(&report, stage)?))) {
-                put(&format!("{stage} instructions/pixel/step"), count);
-            }
+    for machine in &MEASURED {
+        for (program, title) in PROGRAMS {
+            sizes(machine, program, title, &mut table).with_context(|| format!("{program} on {}", machine.name))?;
         }
+        let report = emulator::run(machine, "costs", LIMIT)?;
+        for (name, (instructions, _)) in &report.resources {
+            let name = name.replace('/', " ").to_lowercase();
+            let per_pixel = *instructions as f64 / cost::PIXELS as f64;
+            table.insert(format!("cost {} {name}", machine.name), (per_pixel * 10.0).round() / 10.0);
+        }
+        println!("measured on {}", machine.name);
     }
     Ok(table)
 }
 
-fn value(report: &Report, name: &str) -> Option<f64> {
-    report.resources.get(name).map(|&(value, _)| value as f64)
+fn sizes(machine: &Machine, program: &str, title: &str, table: &mut Table) -> Result<()> {
+    let needs = elf::needs(&build::image(machine.target, program))?;
+    let report = emulator::run(machine, program, LIMIT)?;
+    let painted = painted(&report)?;
+    if needs.stack.is_some_and(|stack| stack < painted) {
+        bail!("{painted} bytes of stack were used, more than the call graph has");
+    }
+    let mut put = |what: &str, bytes: u64| table.insert(format!("size {} {title} {what}", machine.name), bytes as f64);
+    put("flash", needs.flash);
+    put("memory", needs.memory);
+    if let Some(stack) = needs.stack {
+        put("stack", stack);
+    }
+    put("painted", painted);
+    Ok(())
 }
 
-/// `None` where the machine does not count, or the stage had no step.
-fn per_pixel(report: &Report, stage: &str) -> Option<f64> {
-    let pixels = value(report, &format!("{stage}/pixels"))?;
-    (pixels > 0.0).then_some((value(report, stage)? / pixels * 10.0).round() / 10.0)
+/// The painted stack of a run that came to its end.
+fn painted(report: &Report) -> Result<u64> {
+    let value = |name: &str| report.resources.get(name).map(|&(value, _)| value);
+    if value("steps").is_none_or(|steps| steps == 0) {
+        bail!("the front took no step");
+    }
+    value("stack").context("no painted stack was told")
 }
 
 /// The stored table.
 fn stored() -> PathBuf {
-    build::folder().join("resources.txt")
+    build::folder().join("../resources.txt")
 }
 
 /// One line for everything that has grown by more than the tolerance, or is in one table only.
@@ -101,7 +120,8 @@ fn parse(text: &str) -> Result<Table> {
 /// When a file cannot be written, or the README has no place for it.
 pub fn store(table: &Table) -> Result<()> {
     let mut text = format!(
-        "# MACHINE PROGRAM WHAT UNIT VALUE, by `skyfront-on-target resources --store`\n# {}\n",
+        "# By `cargo run --release -p skyfront-on-target -- resources --store`; {}.\n\
+         # size MACHINE PROGRAM WHAT BYTES; cost MACHINE ARITHMETIC STAGE VARIANT INSTRUCTIONS (of a pixel, costliest pass).\n",
         build::compiler()?
     );
     table.iter().for_each(|(name, value)| text += &format!("{name} {value}\n"));
@@ -111,28 +131,8 @@ pub fn store(table: &Table) -> Result<()> {
     let (begin, end) = ("<!-- resources: begin -->\n", "<!-- resources: end -->");
     let (before, rest) = old.split_once(begin).context("the README has no place for the table")?;
     let (_, after) = rest.split_once(end).context("the README's table has no end")?;
-    std::fs::write(&readme, format!("{before}{begin}{}{end}{after}", markdown(table)))?;
+    std::fs::write(&readme, format!("{before}{begin}{}{end}{after}", tables::markdown(table)))?;
     Ok(())
-}
-
-/// The table for people.
-#[must_use]
-pub fn markdown(table: &Table) -> String {
-    let mut text = String::from(
-        "| machine | program | flash | stack | painted | normalize | rescale | filter | edge | front step |\n\
-         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
-    );
-    for (Machine { name, .. }, (program, title)) in
-        MACHINES.iter().flat_map(|machine| PROGRAMS.map(|program| (machine, program)))
-    {
-        let cell = |what: &str| table.get(&format!("{name} {program} {what}")).map_or("-".to_owned(), f64::to_string);
-        let bytes = ["flash bytes", "stack bytes", "painted-stack bytes"].map(cell).join(" | ");
-        let stages = ["normalize", "rescale", "filter", "edge", "evolve"]
-            .map(|stage| cell(&format!("{stage} instructions/pixel/step")))
-            .join(" | ");
-        let _ = writeln!(text, "| {name} | {title} | {bytes} | {stages} |");
-    }
-    text
 }
 
 #[cfg(test)]
@@ -141,12 +141,12 @@ mod tests {
 
     #[test]
     fn growth_beyond_five_percent_is_named() {
-        let before = parse("# comment\na flash bytes 100\na stack bytes 100\na gone bytes 1\n").unwrap();
-        let now = parse("a flash bytes 105\na stack bytes 106\na new bytes 1\n").unwrap();
+        let before = parse("# comment\nsize a flash 100\nsize a stack 100\nsize a gone 1\n").unwrap();
+        let now = parse("size a flash 105\nsize a stack 106\nsize a new 1\n").unwrap();
         let told = compare(&before, &now);
         assert_eq!(
             told,
-            ["a gone bytes: not measured", "a stack bytes: 106, was 100", "a new bytes: not in the stored table"]
+            ["size a gone: not measured", "size a stack: 106, was 100", "size a new: not in the stored table"]
         );
     }
 }

@@ -124,8 +124,8 @@ impl Case {
 /// A simulated sky, with undefined pixels where asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {
-    sky: Sky,
-    holes: bool,
+    pub(crate) sky: Sky,
+    pub(crate) holes: bool,
 }
 
 impl Frame for Scene {

@@ -8,6 +8,7 @@
 
 pub mod bits;
 pub mod case;
+pub mod cost;
 pub mod fram;
 pub mod paper;
 pub mod report;

@@ -6,7 +6,6 @@
 use skyfront_core::arithmetic::Q24;
 use skyfront_core::config::Scheme;
 use skyfront_core::scheme::Fd;
-use skyfront_firmware::measured;
-use skyfront_workload::case::Case;
+use skyfront_firmware::sized;
 
-measured!(Q24, Fd<Q24>, Case::paper(Scheme::Fd));
+sized!(Q24, Fd<Q24>, Scheme::Fd);

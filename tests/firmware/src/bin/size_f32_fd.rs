@@ -7,7 +7,6 @@ use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Scheme;
 use skyfront_core::scheme::Fd;
 use skyfront_firmware::machine::Processor;
-use skyfront_firmware::measured;
-use skyfront_workload::case::Case;
+use skyfront_firmware::sized;
 
-measured!(F32<Processor>, Fd<F32<Processor>>, Case::paper(Scheme::Fd));
+sized!(F32<Processor>, Fd<F32<Processor>>, Scheme::Fd);

@@ -6,7 +6,6 @@
 use skyfront_core::arithmetic::Q11;
 use skyfront_core::config::Scheme;
 use skyfront_core::scheme::Fd;
-use skyfront_firmware::measured;
-use skyfront_workload::case::Case;
+use skyfront_firmware::sized;
 
-measured!(Q11, Fd<Q11>, Case::paper(Scheme::Fd));
+sized!(Q11, Fd<Q11>, Scheme::Fd);

@@ -30,8 +30,6 @@ pub struct Arguments {
     #[command(flatten)]
     options: Options,
     #[command(flatten)]
-    beside: Beside,
-    #[command(flatten)]
     measuring: Measuring,
     /// Leave out stages.png, overlay.png and report.html.
     #[arg(long)]
@@ -54,6 +52,9 @@ pub struct Arguments {
     /// Say nothing but errors.
     #[arg(long, short)]
     quiet: bool,
+    // Last, for its heading stands over all that follow.
+    #[command(flatten)]
+    beside: Beside,
 }
 
 impl Arguments {

@@ -100,7 +100,7 @@ pub fn reopen(
             area: group.len() as u32,
             sum,
             centre: (x as f32, y as f32),
-            label: 0,
+            ..Region::default()
         };
         count += 1;
         for &at in group {

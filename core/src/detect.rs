@@ -103,6 +103,8 @@ const LEPSKI: f32 = 1.7;
 /// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
 /// for without them the sky would be biased low.
 const MASKED_PEAK: f32 = 3.5;
+/// A source is wide when so many of its pixels are above half its peak: a disc of eight pixels.
+const WIDE: u32 = 50;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
 const CUTS: u32 = 4;
 
@@ -298,6 +300,7 @@ fn separate(
         }
     }
     work.labels.iter_mut().zip(work.order.iter()).for_each(|(label, id)| *label = *id);
+    centre_on_light(field, work.labels, work.regions);
     for _ in 0..2 {
         let (now, more) = reopen(field, (noise, photon), work.labels, work.order, work.regions, count, setting);
         (count, left_out) = (now, left_out + more);
@@ -305,6 +308,32 @@ fn separate(
     compete(field, work.labels, work.regions, 4);
     straighten(work.labels, work.order, width, 2);
     left_out
+}
+
+/// Centres wide regions on their pixels above half the peak: in a flat source the brightest pixel
+/// is where the noise puts it. In a narrow one it is not, and neighbours would draw the centre away.
+fn centre_on_light(field: Field<'_>, labels: &[u32], regions: &mut [Region]) {
+    let place = |at: usize| ((at % field.width) as f32, (at / field.width) as f32);
+    let region = |label: u32| (label as usize).wrapping_sub(1);
+    for region in regions.iter_mut() {
+        region.core = (0, 0.0, 0.0, 0.0);
+    }
+    for (at, &label) in labels.iter().enumerate() {
+        let Some(region) = regions.get_mut(region(label)) else { continue };
+        let value = field.at(at);
+        if value > 0.5 * region.value {
+            let ((x, y), (peak_x, peak_y)) = (place(at), place(region.peak as usize));
+            let (count, sum, sum_x, sum_y) = region.core;
+            region.core = (count + 1, sum + value, sum_x + value * (x - peak_x), sum_y + value * (y - peak_y));
+        }
+    }
+    for region in regions.iter_mut() {
+        let (count, sum, sum_x, sum_y) = region.core;
+        if count > WIDE && sum > 0.0 {
+            let (x, y) = place(region.peak as usize);
+            region.centre = (x + sum_x / sum, y + sum_y / sum);
+        }
+    }
 }
 
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.

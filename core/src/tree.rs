@@ -19,6 +19,9 @@ pub struct Region {
     pub sum: f64,
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (f32, f32),
+    /// Of its pixels above half its peak: how many, the sum of the values, and of the values times
+    /// the distances from the peak along x and y.
+    pub core: (u32, f32, f32, f32),
     /// The label it ends with.
     pub label: u32,
 }

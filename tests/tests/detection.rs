@@ -1,0 +1,179 @@
+//! The noise-aware default on noise alone, on spikes, stars, galaxies and odd frames.
+
+use skyfront::detection::segment;
+use skyfront::pipeline::{Drive, Segmentation};
+use skyfront_core::detection::Detection;
+use skyfront_core::error::Error;
+use skyfront_core::sky::{Mesh, Sky, mesh_cells};
+use skyfront_tests::noise::{add_star, correlated, gaussian};
+
+fn run(setting: &Detection, pixels: &[f32], width: usize) -> Segmentation {
+    segment(setting, pixels, width, &Drive::default()).expect("the frame can be segmented")
+}
+
+fn sources(pixels: &[f32], width: usize) -> u32 {
+    run(&Detection::DEFAULT, pixels, width).outcome.sources
+}
+
+#[test]
+fn pure_noise_has_at_most_two_sources() {
+    for (seed, k) in [(1, 0.0), (2, 0.18), (3, 0.4)] {
+        let pixels: Vec<f32> = correlated(seed, 1000, k).iter().map(|noise| 100.0 + 10.0 * noise).collect();
+        let found = sources(&pixels, 1000);
+        assert!(found <= 2, "{found} sources in noise with k = {k}");
+    }
+}
+
+/// With every other condition off, noise has as many sources as the setting allows: the tail of
+/// the threshold, whether pixels are correlated or not.
+#[test]
+fn false_sources_are_as_many_as_expected() {
+    let bare = Detection {
+        outline: 0.5,
+        peak: 0.0,
+        light: 0.0,
+        min_area: 1,
+        false_share: 0.0,
+        false_sources: 40.0,
+        ..Detection::DEFAULT
+    };
+    for (seed, k) in [(4, 0.0), (5, 0.18), (6, 0.4)] {
+        let pixels = correlated(seed, 1000, k);
+        let found = run(&bare, &pixels, 1000).outcome.sources;
+        // Three standard deviations of a Poisson number.
+        assert!((21..=59).contains(&found), "{found} false sources where 40 are expected, k = {k}");
+    }
+}
+
+#[test]
+fn sky_and_noise_of_pure_noise_are_unbiased() {
+    let side = 512;
+    for (seed, k) in [(7, 0.0), (8, 0.18), (9, 0.4)] {
+        let pixels: Vec<f32> = correlated(seed, side, k).iter().map(|noise| 1000.0 + 5.0 * noise).collect();
+        let mut cells = vec![Sky::UNKNOWN; mesh_cells(side, side)];
+        let (masked, mut values) = (vec![0.0; side * side], vec![0.0; side * side]);
+        let mesh = Mesh::measure(&pixels, &masked, (side, side), &mut cells, &mut values);
+        let (mut level, mut noise) = (0.0, 0.0);
+        for at in 0..side * side {
+            let sky = mesh.at(at % side, at / side);
+            (level, noise) = (level + f64::from(sky.level), noise + f64::from(sky.noise));
+        }
+        let count = (side * side) as f64;
+        let (level, noise) = (level / count, noise / count);
+        assert!((level - 1000.0).abs() < 0.1, "sky {level} where it is 1000, noise 5, k = {k}");
+        assert!((noise - 5.0).abs() < 0.1, "noise {noise} where it is 5, k = {k}");
+    }
+}
+
+#[test]
+fn spikes_are_no_sources_and_stars_are() {
+    let side = 200;
+    let mut pixels = gaussian(10, side * side);
+    for (index, height) in [30.0f32, 80.0, 300.0, 2000.0].into_iter().enumerate() {
+        pixels[(30 + 40 * index) * side + 50] += height;
+    }
+    // A cosmic ray of two pixels beside each other is beyond this test: one pixel is certain.
+    assert_eq!(sources(&pixels, side), 0, "hot pixels are taken for sources");
+    for (index, peak) in [15.0f32, 60.0, 250.0, 4000.0].into_iter().enumerate() {
+        add_star(&mut pixels, side, (140.3, 30.4 + 40.0 * index as f32), 1.1, peak);
+    }
+    let found = run(&Detection::DEFAULT, &pixels, side);
+    assert_eq!(found.outcome.sources, 4);
+    for index in 0..4 {
+        assert!(found.labels[(30 + 40 * index) * side + 140] > 0, "star {index} is lost");
+        assert_eq!(found.labels[(30 + 40 * index) * side + 50], 0, "hot pixel {index} is in a source");
+    }
+}
+
+/// A large galaxy whose own photons make it uneven is one source; a star beside it is another.
+#[test]
+fn a_grainy_galaxy_stays_whole() {
+    let side = 256;
+    let mut light = vec![0.0; side * side];
+    add_star(&mut light, side, (120.0, 128.0), 22.0, 60.0);
+    let pixels: Vec<f32> = light
+        .iter()
+        .zip(gaussian(11, side * side))
+        .map(|(&light, noise)| light + noise * (1.0 + 0.25 * light).sqrt())
+        .collect();
+    let alone = run(&Detection::DEFAULT, &pixels, side);
+    assert_eq!(alone.outcome.sources, 1);
+    let mut both = pixels;
+    add_star(&mut both, side, (160.0, 128.0), 1.3, 60.0);
+    let found = run(&Detection::DEFAULT, &both, side);
+    assert_eq!(found.outcome.sources, 2);
+    assert_ne!(found.labels[128 * side + 160], found.labels[128 * side + 120]);
+}
+
+#[test]
+fn touching_stars_are_apart() {
+    let side = 96;
+    let mut pixels = gaussian(12, side * side);
+    add_star(&mut pixels, side, (45.0, 48.0), 1.3, 200.0);
+    add_star(&mut pixels, side, (50.0, 48.0), 1.3, 30.0);
+    let found = run(&Detection::DEFAULT, &pixels, side);
+    assert_eq!(found.outcome.sources, 2);
+    assert_ne!(found.labels[48 * side + 45], found.labels[48 * side + 50]);
+}
+
+#[test]
+fn undefined_pixels_are_in_no_source() {
+    let side = 128;
+    let mut pixels = gaussian(13, side * side);
+    add_star(&mut pixels, side, (64.0, 64.0), 2.0, 100.0);
+    for x in 50..90 {
+        pixels[66 * side + x] = f32::NAN;
+    }
+    let found = run(&Detection::DEFAULT, &pixels, side);
+    assert!(found.labels[64 * side + 64] > 0);
+    assert!((50..90).all(|x| found.labels[66 * side + x] == 0));
+}
+
+#[test]
+fn a_given_noise_map_says_which_pixels_are_noisier() {
+    let side = 256;
+    let scale = |at: usize| if at % side < 128 { 1.0 } else { 6.0 };
+    let pixels: Vec<f32> = correlated(14, side, 0.0).iter().enumerate().map(|(at, noise)| noise * scale(at)).collect();
+    let map: Vec<f32> = (0..side * side).map(|at| 0.01 * scale(at)).collect();
+    let sky = vec![0.0; side * side];
+    let drive = Drive { background: Some(&sky), noise: Some(&map), ..Drive::default() };
+    let mut with_stars = pixels.clone();
+    add_star(&mut with_stars, side, (60.0, 128.0), 1.5, 12.0);
+    let found = segment(&Detection::DEFAULT, &with_stars, side, &drive).expect("the frame can be segmented");
+    assert_eq!(found.outcome.sources, 1);
+    assert!(found.labels[128 * side + 60] > 0);
+    let short = Drive { noise: Some(&map[1..]), ..Drive::default() };
+    let refused = segment(&Detection::DEFAULT, &pixels, side, &short).err();
+    assert!(matches!(refused, Some(Error::Length { .. })), "{refused:?}");
+}
+
+#[test]
+fn small_and_constant_frames_are_taken() {
+    for (width, height) in [(1, 1), (1, 9), (2, 2), (3, 7), (7, 3), (7, 7), (8, 8), (5, 40)] {
+        let pixels = gaussian(15, width * height);
+        match segment(&Detection::DEFAULT, &pixels, width, &Drive::default()) {
+            Ok(found) => assert_eq!(found.labels.len(), width * height),
+            Err(Error::Constant { .. }) => assert!(width * height < 8, "{width} x {height} has noise"),
+            Err(other) => panic!("{width} x {height}: {other}"),
+        }
+    }
+    let flat = segment(&Detection::DEFAULT, &[7.0; 64 * 64], 64, &Drive::default()).err();
+    assert_eq!(flat, Some(Error::Constant { value: 7.0 }));
+}
+
+#[test]
+fn settings_out_of_bounds_are_named() {
+    let wrong = [
+        ("outline", Detection { outline: 0.0, ..Detection::DEFAULT }),
+        ("peak", Detection { peak: f32::NAN, ..Detection::DEFAULT }),
+        ("false share", Detection { false_share: 0.6, ..Detection::DEFAULT }),
+        ("min area", Detection { min_area: 0, ..Detection::DEFAULT }),
+        ("sharpening", Detection { sharpening: 5.0, ..Detection::DEFAULT }),
+    ];
+    for (expected, setting) in wrong {
+        match segment(&setting, &[0.0; 64], 8, &Drive::default()) {
+            Err(Error::Parameter { name, .. }) => assert_eq!(name, expected),
+            other => panic!("{expected} is accepted: {:?}", other.err()),
+        }
+    }
+}

@@ -140,6 +140,17 @@ impl Sky {
         Object { x, y, peak, radius, axis_ratio, direction, star }
     }
 
+    /// Adds the light of object `index` alone to row `y`; says whether it reaches that row.
+    pub fn add_light(&self, index: u32, y: usize, row: &mut [f32]) -> bool {
+        let object = self.object(index);
+        let (distance, reach) = (y as f32 - object.y, object.reach(self.sigma()));
+        let reached = distance <= reach && -distance <= reach;
+        if reached {
+            self.add(&object, y, row);
+        }
+        reached
+    }
+
     /// Adds an object to row `y`.
     fn add(&self, object: &Object, y: usize, row: &mut [f32]) {
         let sigma = self.sigma();

@@ -24,5 +24,6 @@ pub mod reproduce;
 pub mod score;
 pub mod sky;
 pub mod summary;
+pub mod truth;
 pub mod vectors;
 pub mod write;

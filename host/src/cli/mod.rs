@@ -19,6 +19,7 @@ mod reproduce;
 mod score;
 mod segment;
 mod settings;
+mod simulate;
 mod table;
 
 pub use beside::Beside;
@@ -58,6 +59,8 @@ enum Command {
     Demo(demo::Arguments),
     /// Tell the most memory and row operations that a run can need, before it starts.
     Budget(Box<budget::Arguments>),
+    /// Write a simulated sky and its truth, which objects own which pixels.
+    Simulate(simulate::Arguments),
     /// Score a segmentation map against the truth (Haigh et al. 2021).
     Score(score::Arguments),
     /// List the presets with their settings.
@@ -103,6 +106,7 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Budget(arguments)) => budget::run(&arguments)?,
         Some(Command::Reproduce(arguments)) => reproduce::run(&arguments)?,
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
+        Some(Command::Simulate(arguments)) => simulate::run(&arguments)?,
         Some(Command::Score(arguments)) => score::run(&arguments)?,
         Some(Command::Presets) => presets::run(),
         Some(Command::Columns) => columns::run(),

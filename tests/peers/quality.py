@@ -1,0 +1,91 @@
+"""Scores Skyfront and its peers on simulated skies; see tests/peers/quality."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import sep
+from astropy.convolution import convolve
+from astropy.io import fits
+from astropy.stats import SigmaClip
+from photutils.background import Background2D, SExtractorBackground
+from photutils.segmentation import deblend_sources, detect_sources, make_2dgaussian_kernel
+
+KINDS = ["bright", "noisy", "stars"]
+MEASURES = ["combined", "f_score", "completeness", "purity", "mean_iou", "pq"]
+THRESHOLD, PIXELS, CELL = 1.5, 5, 64
+# source-extractor's own default filter, 3 x 3 for a seeing of 2 pixels.
+FILTER = np.array([[1, 2, 1], [2, 4, 2], [1, 2, 1]], np.float32)
+
+
+def skyfront(folder, program):
+    words = [program, "segment", folder / "sky.fits", "--out", folder / "skyfront", "--no-pictures", "--quiet"]
+    subprocess.run(words, check=True)
+    return fits.getdata(folder / "skyfront" / "segmentation.fits")
+
+
+def source_extractor(folder, _):
+    """Its default settings: what `source-extractor -dd` prints."""
+    (folder / "none.param").write_text("NUMBER\n")
+    matrix = "\n".join(" ".join(str(int(value)) for value in row) for row in FILTER)
+    (folder / "default.conv").write_text(f"CONV NORM\n{matrix}\n")
+    defaults = subprocess.run(["source-extractor", "-dd"], capture_output=True, check=True, text=True).stdout
+    (folder / "default.sex").write_text(defaults)
+    words = ["source-extractor", "sky.fits", "-c", "default.sex", "-PARAMETERS_NAME", "none.param", "-FILTER_NAME"]
+    words += ["default.conv", "-CHECKIMAGE_TYPE", "SEGMENTATION", "-CHECKIMAGE_NAME", "sextractor.fits"]
+    subprocess.run(words + ["-VERBOSE_TYPE", "QUIET"], cwd=folder, check=True)
+    return fits.getdata(folder / "sextractor.fits")
+
+
+def extract(folder, _):
+    """SEP with its own defaults and the threshold of source-extractor."""
+    pixels = fits.getdata(folder / "sky.fits").astype(np.float32)
+    sky = sep.Background(pixels, bw=CELL, bh=CELL)
+    found = sep.extract(pixels - sky.back(), THRESHOLD, err=sky.rms(), minarea=PIXELS, segmentation_map=True)
+    return found[1]
+
+
+def photutils(folder, _):
+    """The steps of its user guide, with the threshold of source-extractor."""
+    pixels = fits.getdata(folder / "sky.fits").astype(float)
+    sky = Background2D(pixels, CELL, filter_size=3, sigma_clip=SigmaClip(3.0), bkg_estimator=SExtractorBackground())
+    above = pixels - sky.background
+    smooth = convolve(above, make_2dgaussian_kernel(3.0, size=5))
+    labels = detect_sources(smooth, THRESHOLD * sky.background_rms, PIXELS)
+    if labels is None:
+        return np.zeros(pixels.shape, int)
+    return deblend_sources(smooth, labels, PIXELS, nlevels=32, contrast=0.001, progress_bar=False).data
+
+
+TOOLS = {"Skyfront": skyfront, "source-extractor": source_extractor, "SEP": extract, "photutils": photutils}
+
+
+def score(folder, labels, program):
+    path = folder / "labels.fits"
+    fits.writeto(path, labels.astype(np.int32), overwrite=True)
+    words = [program, "score", folder / "truth.fits", path, "--image", folder / "sky.fits"]
+    return json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
+
+
+def main(seeds, side, program):
+    results = {(kind, tool): [] for kind in KINDS for tool in TOOLS}
+    for kind in KINDS:
+        for seed in range(1, seeds + 1):
+            with tempfile.TemporaryDirectory() as name:
+                folder = pathlib.Path(name)
+                words = [program, "simulate", "--kind", kind, "--seed", str(seed), "--side", str(side)]
+                subprocess.run(words + ["--out", folder], check=True)
+                for tool, run in TOOLS.items():
+                    results[kind, tool].append(score(folder, run(folder, program), program))
+    print(f"Means over {seeds} seeds of {side} x {side} pixels, every tool at its default\n")
+    print("| sky | tool | " + " | ".join(MEASURES) + " |")
+    print("|---" * (len(MEASURES) + 2) + "|")
+    for (kind, tool), scores in results.items():
+        means = [f"{np.mean([score[measure] for score in scores]):.3f}" for measure in MEASURES]
+        print(f"| {kind} | {tool} | " + " | ".join(means) + " |")
+
+
+main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3])

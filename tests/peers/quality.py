@@ -57,7 +57,7 @@ def photutils(folder, _):
     labels = detect_sources(smooth, THRESHOLD * sky.background_rms, PIXELS)
     if labels is None:
         return np.zeros(pixels.shape, int)
-    return deblend_sources(smooth, labels, PIXELS, nlevels=32, contrast=0.001, progress_bar=False).data
+    return deblend_sources(smooth, labels, PIXELS, n_levels=32, contrast=0.001, progress_bar=False).data
 
 
 TOOLS = {"Skyfront": skyfront, "source-extractor": source_extractor, "SEP": extract, "photutils": photutils}

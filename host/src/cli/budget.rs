@@ -1,5 +1,6 @@
 //! `skyfront budget`: what a run will need at most, before there is an image.
 
+use super::instructions::needs;
 use super::options::{ArithmeticOption, Options};
 use crate::detection;
 use anyhow::Result;
@@ -87,5 +88,10 @@ fn budget_of<A: Arithmetic>(
         }
     }
     writeln!(text, "{:>14} rows   the whole run, at most", budget::total_rows(config, height))?;
+    for need in needs(config, A::NAME, width * height) {
+        let lacking =
+            if need.unknown.is_empty() { String::new() } else { format!("; not counted: {}", need.unknown.join(", ")) };
+        writeln!(text, "{:>14.4e} instructions on {}, at most{lacking}", need.instructions, need.machine)?;
+    }
     Ok(text)
 }

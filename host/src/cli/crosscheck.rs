@@ -62,7 +62,7 @@ struct Limits {
     /// Pixels of the mask, and labels, that may differ [0, 3, 0.2 % of the image].
     #[arg(long, value_name = "N")]
     max_pixels: Option<usize>,
-    /// Largest shift of a centroid, pixels [1e-3, 0.1, 0.5].
+    /// Largest shift of a centroid, pixels [1e-3, 0.5, 0.5].
     #[arg(long, value_name = "PX")]
     max_centroid: Option<f64>,
 }

@@ -9,6 +9,7 @@ mod columns;
 mod crosscheck;
 mod demo;
 mod folders;
+mod instructions;
 mod job;
 mod manual;
 mod measuring;

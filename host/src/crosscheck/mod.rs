@@ -42,7 +42,8 @@ impl Tolerances {
     /// Normalised values are in \[0, 1\] and rounded a few times: to 6e-8 in f32 and q24, to 2^-14 in q11. r1 with
     /// alpha = 1/4 lifts a rounding next to 0, and r3 with beta = 8 one next to tau, to its fourth or eighth root; the
     /// edge detector multiplies differences by 5 / (1 - c2) / (M - m) or, for g1, by p/4. |du| <= 5e-4 in f32, 3
-    /// pixels in q24 and 0.2 % of the pixels in q11 are what the project promises.
+    /// pixels in q24 and 0.2 % of the pixels in q11 are what the project promises: and a source of two pixels that
+    /// loses one has its centroid moved by half a pixel.
     pub fn of(arithmetic: &str, pixels: usize) -> Tolerances {
         let exact = Tolerances {
             normalised: 1e-6,
@@ -55,7 +56,7 @@ impl Tolerances {
         };
         match arithmetic {
             "q24" => {
-                Tolerances { rescaled: 0.12, edge: 0.02, front: 5e-3, steps: 3, pixels: 3, centroid: 0.1, ..exact }
+                Tolerances { rescaled: 0.12, edge: 0.02, front: 5e-3, steps: 3, pixels: 3, centroid: 0.5, ..exact }
             }
             "q11" => Tolerances {
                 normalised: 6.2e-5,

@@ -114,7 +114,7 @@ pub fn reopen(
 
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
-/// [`OTHER`] times the other's mirrored light.
+/// `OTHER` times the other's mirrored light.
 pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps: u32) {
     for sweep in 0..sweeps {
         let mut changed = false;

@@ -18,7 +18,7 @@
 //! How often a pixel is looked at before it is settled has a bound, [`looks`]. `end` is the end of
 //! the bucket at work, d the pixel's delay, at least 1, h the least time around it.
 //!
-//! - h >= end: the pixel moves on by at least d / sqrt 2. Settled times are less than [`AHEAD`]
+//! - h >= end: the pixel moves on by at least d / sqrt 2. Settled times are less than `AHEAD`
 //!   beyond `end`, so that h is reached after 3 looks; later the least time only falls.
 //! - h < end and the other axis is open: the pixel waits until it could come with the other axis at
 //!   `end`. If `x d` is left until `h + d` was certain, then `x^2 d / 2` is left at the next look:

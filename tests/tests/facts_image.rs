@@ -1,8 +1,8 @@
 //! The core against answers that are known without computing them: rescaling, threshold and filter.
 
 use skyfront_core::arithmetic::F32;
-use skyfront_core::config::{Config, Rescale, Tau};
-use skyfront_core::filter::Heat;
+use skyfront_core::config::{Config, Diffusivity, Rescale, Tau};
+use skyfront_core::filter::{Heat, PeronaMalik};
 use skyfront_core::otsu::{BINS, Histogram};
 use skyfront_core::rescale::Rescaler;
 use skyfront_core::sweep::{Band, Halo, advance, ring_len};
@@ -99,6 +99,33 @@ fn heat_damps_its_eigenfunctions() {
         for (&found, &value) in plane.iter().zip(&start) {
             let expected = value * factor.powi(20);
             assert!((f64::from(found) - expected).abs() < 1e-5, "mode ({p}, {q}): {found}, not {expected}");
+        }
+    }
+}
+
+/// One step of Perona-Malik at a step of height d between two columns moves lambda f(|d| / dx) d from one to the other,
+/// with lambda = dt / dx^2: f1 = 1 / (1 + s^2) and f2 = exp(-s^2) at s = |d| / (dx mu), and nothing elsewhere. f32 rounds
+/// a few values below 1 by 2^-25.
+#[test]
+fn perona_malik_moves_what_its_coefficient_says() {
+    let (width, lambda, mu) = (6, 0.2, 2.5);
+    for (diffusivity, f) in [
+        (Diffusivity::F1, (|s: f64| 1.0 / (1.0 + s * s)) as fn(f64) -> f64),
+        (Diffusivity::F2, |s: f64| (-s * s).exp()),
+    ] {
+        for d in [0.05, 0.2, 0.7] {
+            let config = Config { filter_dt: 2e-3, ..Config::PAPER_F160 };
+            let (low, high) = (0.1, 0.1 + d);
+            let mut plane: Vec<f32> = (0..width * 3).map(|at| if at % width < 3 { low } else { high } as f32).collect();
+            let mut ring = vec![0.0; ring_len(width, 3)];
+            let mut kernel = PeronaMalik::<F32>::new(&config, diffusivity, mu as f32);
+            let mut band = Band { plane: &mut plane, aux: &[], ring: &mut ring, width, halo: Halo::NONE };
+            advance::<F32, _, 3>(&mut kernel, &mut band, 0..3);
+            let moved = lambda * f(d / (0.1 * mu)) * d;
+            for (at, &found) in plane.iter().enumerate() {
+                let expected = [low, low, low + moved, high - moved, high, high][at % width];
+                assert!((f64::from(found) - expected).abs() < 1e-6, "{diffusivity:?}, {d}: {found}, not {expected}");
+            }
         }
     }
 }

@@ -6,8 +6,10 @@
 //! in slices of bounded work, in memory that the caller provides and whose size
 //! [`memory`] tells beforehand.
 //!
-//! The crate does not allocate, does not panic, has no `unsafe` code and gives the same bits on
-//! every processor: sums have a fixed order or are exact, `libm` is pinned, no NaN is ever made.
+//! The crate does not allocate, has no `unsafe` code and gives the same bits on every processor:
+//! sums have a fixed order or are exact, `libm` is pinned, no NaN is ever made. That it does not
+//! panic is proved by linking (tests/no-panic), but for [`detect`], whose sorts the proof does not
+//! reach yet.
 //!
 //! Planes are row-major; row 0 comes first and is the bottom row of a FITS image. Pixel centres
 //! have whole coordinates from (0, 0).

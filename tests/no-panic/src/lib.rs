@@ -1,4 +1,5 @@
-//! Every public entry of the core, in every arithmetic, as exported functions of unknown arguments.
+//! The public entries of the core, in every arithmetic, as exported functions of unknown arguments:
+//! all but `detect`, whose sorts the optimiser cannot follow.
 //!
 //! The panic handler calls a function that does not exist. The optimiser drops the handler, and
 //! with it the call, when it has proved that no panic can be reached; otherwise linking fails and

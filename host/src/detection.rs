@@ -1,13 +1,14 @@
 //! The noise-aware segmentation on the host: memory, the call, the catalogue.
 
 use crate::background::SkyMaps;
+use crate::nothing::without_front;
 use crate::pipeline::{Drive, Segmentation, StagePlanes};
 use skyfront_core::catalog::Source;
 use skyfront_core::detect::{Known, Workspace, detect, regions};
 use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
-use skyfront_core::normalize::{Extremes, Range};
-use skyfront_core::outcome::{Outcome, StopReason};
+use skyfront_core::normalize::Extremes;
+use skyfront_core::outcome::Outcome;
 use skyfront_core::sky::{Sky, mesh_cells};
 use skyfront_core::stage::Stage;
 use skyfront_core::tree::Region;
@@ -81,18 +82,11 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         edge: masked,
     });
     let outcome = Outcome {
-        reason: StopReason::Rest,
-        steps: 0,
-        last_change: 0.0,
-        extremes,
-        range: Range { low: extremes.least, high: extremes.greatest },
-        tau: 0.0,
-        gradient: (0.0, 0.0),
         mask_pixels: found.mask_pixels,
         sources: found.sources,
         catalogued: found.sources,
         unlabelled: found.unlabelled,
-        work: 0,
+        ..without_front(extremes)
     };
     Ok(Segmentation {
         arithmetic: "f32",

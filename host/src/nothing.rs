@@ -51,22 +51,27 @@ pub fn found(
         }),
         convergence: Vec::new(),
         sources: Vec::new(),
-        outcome: Outcome {
-            reason: StopReason::Rest,
-            steps: 0,
-            last_change: 0.0,
-            extremes,
-            range: Range { low: extremes.least, high: extremes.greatest },
-            tau: 0.0,
-            gradient: (0.0, 0.0),
-            mask_pixels: 0,
-            sources: 0,
-            catalogued: 0,
-            unlabelled: 0,
-            work: 0,
-        },
+        outcome: without_front(extremes),
         sky: None,
         seconds: Vec::new(),
         remark: Some(remark),
     })
+}
+
+/// What a run tells in which no front moved, as long as it has no source.
+pub fn without_front(extremes: Extremes) -> Outcome {
+    Outcome {
+        reason: StopReason::Rest,
+        steps: 0,
+        last_change: 0.0,
+        extremes,
+        range: Range { low: extremes.least, high: extremes.greatest },
+        tau: 0.0,
+        gradient: (0.0, 0.0),
+        mask_pixels: 0,
+        sources: 0,
+        catalogued: 0,
+        unlabelled: 0,
+        work: 0,
+    }
 }

@@ -1,7 +1,8 @@
 //! `skyfront budget`: what a run will need at most, before there is an image.
 
+use super::choices::ArithmeticOption;
 use super::instructions::needs;
-use super::options::{ArithmeticOption, Options};
+use super::options::Options;
 use crate::detection;
 use anyhow::Result;
 use clap::Args;

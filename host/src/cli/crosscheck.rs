@@ -1,6 +1,6 @@
 //! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
 
-use super::options::SchemeOption;
+use super::choices::SchemeOption;
 use super::{Options, Usage};
 use crate::crosscheck::{Tolerances, crosscheck, json, table};
 use crate::provenance::scheme_name;

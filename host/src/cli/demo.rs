@@ -1,8 +1,8 @@
 //! `skyfront demo`: a simulated sky, segmented; no file needed.
 
+use super::choices::ArithmeticOption;
 use super::job::{Manner, plan};
 use super::messages::Volume;
-use super::options::ArithmeticOption;
 use super::segment::segment_image;
 use crate::catalogue::Request;
 use crate::input::Input;

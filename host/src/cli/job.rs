@@ -1,6 +1,6 @@
 //! One image, from pixels to published products.
 
-use super::options::ArithmeticOption;
+use super::choices::ArithmeticOption;
 use crate::catalogue::Request;
 use crate::input::Input;
 use crate::outputs::{self, Written};

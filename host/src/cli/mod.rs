@@ -5,6 +5,7 @@
 mod batch;
 mod beside;
 mod budget;
+mod choices;
 mod columns;
 mod crosscheck;
 mod demo;

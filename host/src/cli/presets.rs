@@ -1,6 +1,6 @@
 //! `skyfront presets`: what each preset is and sets.
 
-use super::options::Preset;
+use super::choices::Preset;
 use crate::provenance::parameters;
 use clap::ValueEnum;
 

@@ -1,8 +1,8 @@
 //! `skyfront segment`: images in; segmentation maps, catalogues and pictures out.
 
+use super::choices::ArithmeticOption;
 use super::job::{Done, Manner, plan, process};
 use super::messages::{Volume, about_input, progress_bar, report, show};
-use super::options::ArithmeticOption;
 use super::{Beside, Measuring, Options, Usage, batch};
 use crate::input::Input;
 use crate::read::{self, HduChoice};

@@ -3,6 +3,7 @@
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::catalog::Source;
 use crate::error::Error;
+use crate::otsu::Histogram;
 use crate::sweep::ring_len;
 pub use crate::tiles::flags_len;
 
@@ -19,6 +20,8 @@ pub struct Memory<'m, A: Arithmetic> {
     pub tiles: &'m mut [u8],
     /// W samples: the row of original pixels at work.
     pub samples: &'m mut [f32],
+    /// The counts of the pass under way: of brightness for a threshold, of digits for a percentile.
+    pub counts: &'m mut Histogram,
     /// The catalogue, as long as the caller likes; sources beyond its end are counted.
     pub sources: &'m mut [Source],
 }
@@ -39,11 +42,12 @@ pub const fn bytes(width: usize, height: usize, cell_bytes: usize, sl_curvature:
     cell_bytes * (2 * width * height + ring_cells(width, sl_curvature))
         + flags_len(width, height)
         + size_of::<f32>() * width
+        + size_of::<Histogram>()
         + size_of::<Source>() * sources
 }
 
 /// More than a [`crate::segmenter::Segmenter`] itself takes, whatever its arithmetic and scheme.
-pub const SEGMENTER_BYTES: usize = 3328;
+pub const SEGMENTER_BYTES: usize = 1280;
 
 /// The greatest catalogue with which a run, the segmenter and the catalogue included, stays within
 /// two cells a pixel and 64 bytes a column; for frames of 300 columns and more, and not much taller.
@@ -75,6 +79,7 @@ impl<A: Arithmetic> Memory<'_, A> {
         A::Cell::BYTES * (self.image.len() + self.front.len() + self.ring.len())
             + self.tiles.len()
             + size_of_val(self.samples)
+            + size_of_val(self.counts)
             + size_of_val(self.sources)
     }
 }

@@ -9,6 +9,7 @@
 
 use crate::arithmetic::Real;
 use crate::codec::Codec;
+use crate::otsu::Histogram;
 use crate::select::{self, Select};
 
 /// Rounds of measuring and clipping.
@@ -55,9 +56,9 @@ impl Estimate {
     }
 
     /// Takes in values of a pass; NaN and infinities do not count.
-    pub fn observe(&mut self, select: &mut Select, values: impl Iterator<Item = f32>) {
+    pub fn observe(&mut self, select: &Select, counts: &mut Histogram, values: impl Iterator<Item = f32>) {
         if self.phase != Phase::Count {
-            return select.observe(values);
+            return select.observe(counts, values);
         }
         let limit = self.above(CLIP);
         let sky = values.filter(|value| value.is_finite() && *value <= limit).count();
@@ -65,16 +66,16 @@ impl Estimate {
     }
 
     /// Ends a pass; whether level and noise are known.
-    pub fn end_pass(&mut self, select: &mut Select) -> bool {
+    pub fn end_pass(&mut self, select: &mut Select, counts: &mut Histogram) -> bool {
         match self.phase {
             Phase::Level => {
-                if let Some(level) = select.end_pass() {
+                if let Some(level) = select.end_pass(counts) {
                     (self.level, self.phase) = (level, Phase::Spread);
                     *select = Select::percentile(ONE_BELOW, self.kept);
                 }
             }
             Phase::Spread => {
-                if let Some(below) = select.end_pass() {
+                if let Some(below) = select.end_pass(counts) {
                     self.noise = within(self.level - below).positive();
                     self.round = self.round.saturating_add(1);
                     (self.phase, self.counted) = (Phase::Count, 0);
@@ -134,11 +135,11 @@ mod tests {
     use std::vec::Vec;
 
     fn measured(values: &[f32]) -> (Estimate, u32) {
-        let mut select = Select::new(0);
+        let (mut select, mut counts) = (Select::new(0), Histogram::EMPTY);
         let mut estimate = Estimate::new(values.len() as u32, &mut select);
         for passes in 1..=PASSES {
-            estimate.observe(&mut select, values.iter().copied());
-            if estimate.end_pass(&mut select) {
+            estimate.observe(&select, &mut counts, values.iter().copied());
+            if estimate.end_pass(&mut select, &mut counts) {
                 return (estimate, passes);
             }
         }

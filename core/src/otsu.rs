@@ -13,6 +13,11 @@ impl Histogram {
     /// No value yet.
     pub const EMPTY: Histogram = Histogram([0; BINS]);
 
+    /// Forgets all values.
+    pub fn clear(&mut self) {
+        self.0.fill(0);
+    }
+
     /// Counts a value; values outside [0, 1] count in the outermost bins.
     #[inline]
     pub fn add(&mut self, value: f32) {

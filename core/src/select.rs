@@ -5,17 +5,17 @@
 //! value of the wanted rank, is known exactly. Cost: four passes over the pixels.
 
 use crate::codec::Codec;
+use crate::otsu::Histogram;
 
 /// Number of passes that a selection takes.
 pub const PASSES: u32 = 4;
 
-/// The search for the value of one rank.
+/// The search for the value of one rank; it counts in a histogram that is empty before the first pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Select {
     prefix: u32,
     pass: u32,
     rank: u32,
-    counts: [u32; 256],
 }
 
 /// A key that sorts as the finite value does; -0 and +0 are neighbours.
@@ -32,7 +32,7 @@ fn value_of(key: u32) -> f32 {
 impl Select {
     /// Looks for the value with `rank` smaller or equal values before it (0 = the least).
     pub fn new(rank: u32) -> Select {
-        Select { prefix: 0, pass: 0, rank, counts: [0; 256] }
+        Select { prefix: 0, pass: 0, rank }
     }
 
     /// The rank of a percentile among `defined` pixels: the lower nearest rank.
@@ -47,8 +47,7 @@ impl Select {
     pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
         codec.word(&mut self.prefix)?;
         codec.word(&mut self.pass)?;
-        codec.word(&mut self.rank)?;
-        self.counts.iter_mut().try_for_each(|count| codec.word(count))
+        codec.word(&mut self.rank)
     }
 
     /// Whether a selection can be in this state.
@@ -57,22 +56,22 @@ impl Select {
     }
 
     /// Counts pixels of a pass; NaN and infinities do not count.
-    pub fn observe(&mut self, pixels: impl Iterator<Item = f32>) {
+    pub fn observe(&self, counts: &mut Histogram, pixels: impl Iterator<Item = f32>) {
         let shift = 24 - 8 * self.pass.min(3);
         for pixel in pixels.filter(|pixel| pixel.is_finite()) {
             let key = key(pixel);
             // The bytes above the one that is counted; the shift of the first pass would be 32.
             let agrees = self.pass == 0 || (key >> shift) >> 8 == self.prefix;
-            if agrees && let Some(count) = self.counts.get_mut((key >> shift & 0xFF) as usize) {
+            if agrees && let Some(count) = counts.0.get_mut((key >> shift & 0xFF) as usize) {
                 *count = count.saturating_add(1);
             }
         }
     }
 
-    /// Ends a pass; the value after the last one.
-    pub fn end_pass(&mut self) -> Option<f32> {
+    /// Ends a pass and empties the histogram; the value after the last one.
+    pub fn end_pass(&mut self, counts: &mut Histogram) -> Option<f32> {
         let mut byte = 0;
-        for (value, &count) in (0u32..).zip(&self.counts) {
+        for (value, &count) in (0u32..).zip(&counts.0) {
             byte = value;
             if self.rank < count {
                 break;
@@ -81,7 +80,7 @@ impl Select {
         }
         self.prefix = self.prefix << 8 | byte;
         self.pass = self.pass.saturating_add(1);
-        self.counts = [0; 256];
+        counts.clear();
         (self.pass >= PASSES).then(|| value_of(self.prefix)).map(|value| if value.is_finite() { value } else { 0.0 })
     }
 }
@@ -95,11 +94,11 @@ mod tests {
         let pixels = [3.0, -1.0, f32::NAN, 0.0, -0.0, 1e-40, f32::INFINITY, -7.5, 3.0];
         let sorted = [-7.5, -1.0, -0.0, 0.0, 1e-40, 3.0, 3.0];
         for (rank, expected) in (0u32..).zip(sorted) {
-            let mut select = Select::new(rank);
+            let (mut select, mut counts) = (Select::new(rank), Histogram::EMPTY);
             let mut found = None;
             for _ in 0..PASSES {
-                select.observe(pixels.iter().copied());
-                found = select.end_pass();
+                select.observe(&mut counts, pixels.iter().copied());
+                found = select.end_pass(&mut counts);
             }
             assert_eq!(found.map(f32::to_bits), Some(f32::to_bits(expected)), "rank {rank}");
         }

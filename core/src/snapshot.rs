@@ -2,7 +2,7 @@
 //!
 //! All words are little-endian, 32 bits. In order: the header (magic, version, code of the
 //! arithmetic, columns, rows, sources in the catalogue, CRC-32 of the configuration), the state,
-//! the image plane, the front plane, the ring of old rows (cells of 2 or 4 bytes as they are), the
+//! the counts, the image plane, the front plane, the ring of old rows (cells of 2 or 4 bytes as they are), the
 //! flags of the tiles, the catalogue, and the CRC-32 of everything before. Nothing is buffered beyond 64 bytes.
 
 use crate::arithmetic::Arithmetic;
@@ -11,6 +11,7 @@ use crate::codec::{Codec, Reader, Writer};
 use crate::config::{Config, Diffusivity, Edge, Filter, Normalize, Rescale, Start, Tau};
 use crate::digest::Digest;
 use crate::memory::{Memory, flags_len};
+use crate::otsu::BINS;
 use crate::state::State;
 use crate::sweep::ring_len;
 use core::fmt;
@@ -18,10 +19,10 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
-const STATE_WORDS: usize = 613;
+const STATE_WORDS: usize = 101;
 const SOURCE_WORDS: usize = 25;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will
@@ -70,7 +71,7 @@ impl Header {
 
 /// Bytes of a snapshot, for cells of `cell_bytes`, a kernel of `window` rows and `sources`.
 pub const fn bytes(width: usize, height: usize, cell_bytes: usize, window: usize, sources: usize) -> usize {
-    let words = HEADER_WORDS + STATE_WORDS + SOURCE_WORDS * sources + flags_len(width, height) + 1;
+    let words = HEADER_WORDS + STATE_WORDS + BINS + SOURCE_WORDS * sources + flags_len(width, height) + 1;
     4 * words + cell_bytes * (2 * width * height + ring_len(width, window))
 }
 
@@ -169,6 +170,7 @@ impl<A: Arithmetic> Parts<'_, '_, A> {
     fn body<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
         let pixels = self.width.saturating_mul(self.height);
         self.state.code(codec)?;
+        self.memory.counts.0.iter_mut().try_for_each(|count| codec.word(count))?;
         codec.cells(self.memory.image.get_mut(..pixels).unwrap_or(&mut []))?;
         codec.cells(self.memory.front.get_mut(..pixels).unwrap_or(&mut []))?;
         codec.cells(self.memory.ring.get_mut(..ring_len(self.width, self.window)).unwrap_or(&mut []))?;

@@ -8,7 +8,6 @@ use crate::edge::GradientRange;
 use crate::march::March;
 use crate::noise::Estimate;
 use crate::normalize::{Extremes, Range};
-use crate::otsu::Histogram;
 use crate::outcome::StopReason;
 use crate::select::Select;
 use crate::stage::Stage;
@@ -25,7 +24,6 @@ pub(crate) struct State<A: Arithmetic> {
     pub noise: Estimate,
     pub range: Range,
     pub fill: f32,
-    pub histogram: Histogram,
     pub tau: f32,
     pub gradient: GradientRange<A>,
     pub march: March,
@@ -53,7 +51,6 @@ impl<A: Arithmetic> State<A> {
             noise: Estimate::NONE,
             range: Range { low: 0.0, high: 1.0 },
             fill: 0.0,
-            histogram: Histogram::EMPTY,
             tau: 0.0,
             gradient: GradientRange::none(),
             march: March::new(config.farthest()),
@@ -87,7 +84,6 @@ impl<A: Arithmetic> State<A> {
         codec.real(&mut self.range.low)?;
         codec.real(&mut self.range.high)?;
         codec.real(&mut self.fill)?;
-        self.histogram.0.iter_mut().try_for_each(|count| codec.word(count))?;
         codec.real(&mut self.tau)?;
         codec.word(&mut least)?;
         codec.word(&mut greatest)?;

@@ -4,6 +4,7 @@ use skyfront_core::arithmetic::{Arithmetic, Cell};
 use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::otsu::{BINS, Histogram};
 
 /// The memory of one run: as many elements as the core asks for, and not one more.
 #[derive(Debug)]
@@ -17,6 +18,7 @@ pub struct Room<A: Arithmetic> {
     ring: Vec<A::Cell>,
     tiles: Vec<u8>,
     samples: Vec<f32>,
+    counts: Box<Histogram>,
 }
 
 impl<A: Arithmetic> Room<A> {
@@ -35,6 +37,7 @@ impl<A: Arithmetic> Room<A> {
             ring: vec![cell; ring_cells(width, config.scheme == Scheme::SlCurvature)],
             tiles: vec![pattern as u8; flags_len(width, height)],
             samples: vec![f32::from(pattern as u16); width],
+            counts: Box::new(Histogram([pattern; BINS])),
         }
     }
 
@@ -46,6 +49,7 @@ impl<A: Arithmetic> Room<A> {
             ring: &mut self.ring,
             tiles: &mut self.tiles,
             samples: &mut self.samples,
+            counts: &mut self.counts,
             sources: &mut self.sources,
         }
     }

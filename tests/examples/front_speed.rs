@@ -12,6 +12,7 @@ use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::otsu::Histogram;
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_core::stage::Stage;
@@ -39,13 +40,14 @@ fn front(image: &Path, edge: &Path, band: Option<f32>) -> Result<(), Box<dyn Err
     let count = width * height;
     let (mut plane, mut front) = (vec![0.0; count], vec![0.0; count]);
     let (mut ring, mut tiles) = (vec![0.0; ring_cells(width, false)], vec![0; flags_len(width, height)]);
-    let (mut samples, mut sources) = (vec![0.0; width], vec![Source::empty(0); 10_000]);
+    let (mut samples, mut counts, mut sources) = (vec![0.0; width], Histogram::EMPTY, vec![Source::empty(0); 10_000]);
     let memory = Memory {
         image: &mut plane,
         front: &mut front,
         ring: &mut ring,
         tiles: &mut tiles,
         samples: &mut samples,
+        counts: &mut counts,
         sources: &mut sources,
     };
     let config = Config { band, ..Config::PAPER_F160 };

@@ -105,7 +105,7 @@ fn two_cells_a_pixel_and_64_bytes_a_column_hold_everything() {
 fn one_element_less_is_refused_by_name() {
     for config in every_kind::<Q24>() {
         let mut room = Room::<Q24>::new(&config, 20, 10, 4);
-        let Memory { image, front, ring, tiles, samples, sources } = room.memory();
+        let Memory { image, front, ring, tiles, samples, counts, sources } = room.memory();
         let refused = |result: Result<Segmenter<'_, Q24>, Error>| match result {
             Err(Error::Length { name, given, needed }) => {
                 assert_eq!(given + 1, needed);
@@ -114,17 +114,17 @@ fn one_element_less_is_refused_by_name() {
             other => panic!("{other:?}"),
         };
         let (image_less, _) = image.split_at_mut(199);
-        let memory = Memory { image: image_less, front, ring, tiles, samples, sources };
+        let memory = Memory { image: image_less, front, ring, tiles, samples, counts, sources };
         assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the image plane");
         let (front_less, _) = front.split_at_mut(199);
-        let memory = Memory { image, front: front_less, ring, tiles, samples, sources };
+        let memory = Memory { image, front: front_less, ring, tiles, samples, counts, sources };
         assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the front plane");
         let less = ring.len() - 1;
         let (ring_less, _) = ring.split_at_mut(less);
-        let memory = Memory { image, front, ring: ring_less, tiles, samples, sources };
+        let memory = Memory { image, front, ring: ring_less, tiles, samples, counts, sources };
         assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the ring of old rows");
         let (samples_less, _) = samples.split_at_mut(19);
-        let memory = Memory { image, front, ring, tiles, samples: samples_less, sources };
+        let memory = Memory { image, front, ring, tiles, samples: samples_less, counts, sources };
         assert_eq!(refused(Segmenter::new(&config, 20, 10, memory)), "the sample row");
     }
 }

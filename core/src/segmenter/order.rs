@@ -19,7 +19,7 @@ use crate::tiles::{Tiles, rows_of_tile};
 impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     /// The last row of a pass is done: what follows from it, and the next pass.
     pub(super) fn end_pass(&mut self) -> Result<(), Error> {
-        let state = &mut self.state;
+        let (state, counts) = (&mut self.state, &mut *self.memory.counts);
         state.row = 0;
         state.pass = state.pass.saturating_add(1);
         match state.stage {
@@ -30,7 +30,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 state.range = Range { low: state.extremes.least, high: state.extremes.greatest };
             }
             Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
-                let Some(value) = state.select.end_pass() else { return Ok(()) };
+                let Some(value) = state.select.end_pass(counts) else { return Ok(()) };
                 match state.stage {
                     Stage::LowPercentile => state.range.low = value,
                     Stage::HighPercentile => state.range.high = value,
@@ -38,7 +38,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
             }
             Stage::Sky => {
-                if !state.noise.end_pass(&mut state.select) {
+                if !state.noise.end_pass(&mut state.select, counts) {
                     return Ok(());
                 }
                 if let Normalize::Noise { below, above } = self.config.normalize {
@@ -47,15 +47,15 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             }
             Stage::Threshold => match self.config.rescale {
                 Rescale::R3 { tau: Tau::Noise { k }, .. } => {
-                    if !state.noise.end_pass(&mut state.select) {
+                    if !state.noise.end_pass(&mut state.select, counts) {
                         return Ok(());
                     }
                     state.tau = rescale::noise_threshold(&state.noise, k);
                 }
-                Rescale::R3 { tau, .. } => state.tau = state.histogram.threshold(tau),
+                Rescale::R3 { tau, .. } => state.tau = counts.threshold(tau),
                 _ => {}
             },
-            Stage::StartLevel => state.tau = state.histogram.otsu(),
+            Stage::StartLevel => state.tau = counts.otsu(),
             Stage::March if state.marching => {
                 // A march that was left alone ends before its bound.
                 let in_time = state.pass < budget::passes(&self.config, Stage::March);
@@ -88,6 +88,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     fn begin_stage(&mut self, stage: Stage) -> Result<(), Error> {
         let state = &mut self.state;
         (state.stage, state.pass) = (stage, 0);
+        self.memory.counts.clear();
         let defined = state.extremes.defined;
         match (stage, self.config.normalize) {
             (Stage::LowPercentile, Normalize::Percentile { low, .. }) => {

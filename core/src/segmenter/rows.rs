@@ -24,23 +24,24 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         let state = &mut self.state;
         let samples = self.memory.samples.get_mut(..width).unwrap_or(&mut []);
         let image = row_of_mut(self.memory.image, width, y);
+        let counts = &mut *self.memory.counts;
         if state.stage.reads_frame() {
             frame.row(y, samples).map_err(Error::Frame)?;
         }
         match state.stage {
             Stage::Extremes => state.extremes.observe(samples),
             Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
-                state.select.observe(samples.iter().copied());
+                state.select.observe(counts, samples.iter().copied());
             }
-            Stage::Sky => state.noise.observe(&mut state.select, samples.iter().copied()),
+            Stage::Sky => state.noise.observe(&state.select, counts, samples.iter().copied()),
             Stage::Normalize => normalize::row::<A>(state.range, state.fill, samples, image),
             Stage::Threshold => {
                 let defined = image.iter().zip(samples).filter(|(_, pixel)| pixel.is_finite());
                 let values = defined.map(|(cell, _)| A::pixel(*cell).to_f32());
                 if let Rescale::R3 { tau: Tau::Noise { .. }, .. } = self.config.rescale {
-                    state.noise.observe(&mut state.select, values);
+                    state.noise.observe(&state.select, counts, values);
                 } else {
-                    values.for_each(|value| state.histogram.add(value));
+                    values.for_each(|value| counts.add(value));
                 }
             }
             Stage::Rescale => {
@@ -48,7 +49,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     rescaler.row(image);
                 }
             }
-            Stage::StartLevel => image.iter().for_each(|&cell| state.histogram.add(A::pixel(cell).to_f32())),
+            Stage::StartLevel => image.iter().for_each(|&cell| counts.add(A::pixel(cell).to_f32())),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => self.start_row(y),
             Stage::Front => self.front_row(y).map_err(corrupted)?,
             Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => self.march_row(y),

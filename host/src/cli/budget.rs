@@ -74,7 +74,7 @@ fn budget_of<A: Arithmetic>(
     let planes = 2 * cell * width * height;
     for (bytes, what) in [
         (planes, "two planes".to_owned()),
-        (total - planes - catalogue, "rows".to_owned()),
+        (total - planes - catalogue, "rows, flags and counts".to_owned()),
         (catalogue, format!("catalogue of {sources} sources")),
         (SEGMENTER_BYTES, "state, at most".to_owned()),
         (total + SEGMENTER_BYTES, "all memory".to_owned()),

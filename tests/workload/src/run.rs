@@ -6,6 +6,7 @@ use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::frame::Frame;
 use skyfront_core::memory::Memory;
+use skyfront_core::otsu::Histogram;
 use skyfront_core::outcome::{Outcome, Progress};
 use skyfront_core::scheme::Evolve;
 use skyfront_core::segmenter::Segmenter;
@@ -20,6 +21,7 @@ pub struct Planes<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const 
     ring: [A::Cell; RING],
     tiles: [u8; FLAGS],
     samples: [f32; WIDTH],
+    counts: Histogram,
     sources: [Source; 16],
 }
 
@@ -33,6 +35,7 @@ impl<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize, 
         ring: [A::Cell::BLANK; RING],
         tiles: [0; FLAGS],
         samples: [0.0; WIDTH],
+        counts: Histogram::EMPTY,
         sources: [Source::empty(0); 16],
     };
 
@@ -44,6 +47,7 @@ impl<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize, 
             ring: &mut self.ring,
             tiles: &mut self.tiles,
             samples: &mut self.samples,
+            counts: &mut self.counts,
             sources: &mut self.sources,
         }
     }

@@ -7,6 +7,7 @@ use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::hal::{Heartbeat, MapWriter, MemoryFrame, PixelFormat, SerialMemory};
 use skyfront_core::memory::{Memory, bytes, flags_len, ring_cells};
+use skyfront_core::otsu::Histogram;
 use skyfront_core::outcome::Progress;
 use skyfront_core::{arithmetic::F32, scheme::Fd, segmenter::Segmenter};
 use skyfront_firmware::entry;
@@ -25,6 +26,7 @@ static FRONT: Once<[f32; W * H]> = Once::new([0.0; W * H]);
 static RING: Once<[f32; ring_cells(W, false)]> = Once::new([0.0; ring_cells(W, false)]);
 static TILES: Once<[u8; flags_len(W, H)]> = Once::new([0; flags_len(W, H)]);
 static SAMPLES: Once<[f32; W]> = Once::new([0.0; W]);
+static COUNTS: Once<Histogram> = Once::new(Histogram::EMPTY);
 static SOURCES: Once<[Source; 16]> = Once::new([Source::empty(0); 16]);
 static STORAGE: Once<[u8; 0x8000]> = Once::new([0; 0x8000]);
 
@@ -39,7 +41,8 @@ fn fly(mut line: Console) {
 /// `None` when anything failed; a real computer logs what and tries again.
 fn segment(line: &mut Console) -> Option<()> {
     let (image, front, ring, tiles) = (IMAGE.take(), FRONT.take(), RING.take(), TILES.take());
-    let memory = Memory { image, front, ring, tiles, samples: SAMPLES.take(), sources: SOURCES.take() };
+    let (samples, counts, sources) = (SAMPLES.take(), COUNTS.take(), SOURCES.take());
+    let memory = Memory { image, front, ring, tiles, samples, counts, sources };
     let spi = sky_in_fram(STORAGE.take(), W, H); // On a real board: the SpiDevice of its own crate.
     let mut frame = MemoryFrame::new(SerialMemory::new(spi), 0, W, H, PixelFormat::U16Be).ok()?;
     let mut run = Segmenter::<Number, Fd<Number>>::new(&Config::PAPER_F160, W, H, memory).ok()?;

@@ -38,10 +38,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
             }
             Stage::Sky => {
-                if !state.noise.end_pass(&mut state.select, counts) {
-                    return Ok(());
-                }
+                // Asked first: a program of one setting leaves out what its setting does not need.
                 if let Normalize::Noise { below, above } = self.config.normalize {
+                    if !state.noise.end_pass(&mut state.select, counts) {
+                        return Ok(());
+                    }
                     state.range = Range::around(&state.noise, below, above, state.range);
                 }
             }

@@ -3,7 +3,7 @@
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::catalog::Source;
-use crate::config::{Filter, Rescale, Start, Tau};
+use crate::config::{Filter, Normalize, Rescale, Start, Tau};
 use crate::error::Error;
 use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
@@ -33,7 +33,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
                 state.select.observe(counts, samples.iter().copied());
             }
-            Stage::Sky => state.noise.observe(&state.select, counts, samples.iter().copied()),
+            Stage::Sky => {
+                if let Normalize::Noise { .. } = self.config.normalize {
+                    state.noise.observe(&state.select, counts, samples.iter().copied());
+                }
+            }
             Stage::Normalize => normalize::row::<A>(state.range, state.fill, samples, image),
             Stage::Threshold => {
                 let defined = image.iter().zip(samples).filter(|(_, pixel)| pixel.is_finite());

@@ -124,7 +124,7 @@ impl Estimate {
 
 /// A value within the finite numbers.
 fn within(value: f32) -> f32 {
-    value.clamp(f32::MIN, f32::MAX)
+    value.least(f32::MAX).greatest(f32::MIN)
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 //! at a border each pixel goes to the source that has the most light there.
 
 use crate::detection::{Detection, grown};
-use crate::tree::{Field, Region, neighbours};
+use crate::grid::Grid;
+use crate::tree::{Field, Region};
 
 /// A pixel under examination.
 const OPEN: u32 = 1 << 31;
@@ -71,7 +72,7 @@ pub fn reopen(
         while next < known {
             let at = queue.get(next).map_or(0, |&at| at as usize);
             next += 1;
-            for near in neighbours(at, field.width, field.height()) {
+            for near in field.grid.neighbours(at) {
                 if label_at(labels, near) == open {
                     known = take(near, labels, queue);
                 }
@@ -93,7 +94,7 @@ pub fn reopen(
                 best = (light, at);
             }
         }
-        let (x, y) = (best.1 as usize % field.width, best.1 as usize / field.width);
+        let (x, y) = field.grid.place(best.1 as usize);
         *region = Region {
             peak: best.1,
             value: best.0,
@@ -125,9 +126,9 @@ pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps:
                 continue;
             }
             let mut best = own;
-            for near in neighbours(at, field.width, field.height()).take(4) {
+            for near in field.grid.neighbours(at).take(4) {
                 let other = label_at(labels, near);
-                if other == 0 || other == best || near.abs_diff(at) > field.width {
+                if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
                     continue;
                 }
                 let light = |label: u32| regions.get(label as usize - 1).map_or(0.0, |region| region.sum);
@@ -151,18 +152,17 @@ pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps:
 
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
 /// pixels around it have. `before` is as long as the plane.
-pub fn straighten(labels: &mut [u32], before: &mut [u32], width: usize, steps: u32) {
-    let height = labels.len() / width;
+pub fn straighten(labels: &mut [u32], before: &mut [u32], grid: Grid, steps: u32) {
     for _ in 0..steps {
         before.iter_mut().zip(labels.iter()).for_each(|(before, label)| *before = *label);
         for (at, label) in labels.iter_mut().enumerate() {
             // Most pixels lie inside: three neighbours of their own are enough to stay.
-            let inside = [at.wrapping_sub(1), at + 1, at.wrapping_sub(width)];
+            let inside = [at.wrapping_sub(1), at + 1, at.wrapping_sub(grid.width.get())];
             if inside.into_iter().all(|near| before.get(near) == Some(label)) {
                 continue;
             }
             let (mut same, mut other, mut others) = (0, *label, 0);
-            for near in neighbours(at, width, height) {
+            for near in grid.neighbours(at) {
                 let near = label_at(before, near);
                 if near == *label {
                     same += 1;

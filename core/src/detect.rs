@@ -10,12 +10,14 @@
 use crate::deblend::{compete, reopen, straighten};
 use crate::detection::Detection;
 use crate::error::Error;
+use crate::grid::Grid;
 use crate::photon;
 use crate::significance::height;
-use crate::sky::{Mesh, Sky, median, mesh_cells};
-use crate::smooth::{SAMPLES, Weights, noise};
+use crate::sky::{Mesh, Sky, mesh_cells};
+use crate::smooth::{Weights, noise};
+use crate::sort::{self, Keys, key, median};
 use crate::spike::cleaned;
-use crate::tree::{Field, NONE, Region, grow, neighbours, root};
+use crate::tree::{Field, NONE, Region, grow, root};
 
 /// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
 #[derive(Debug)]
@@ -122,35 +124,36 @@ pub fn detect(
 ) -> Result<Found, Error> {
     let count = pixels.len();
     setting.validate()?;
-    check(count, width, known, work)?;
+    let grid = check(count, width, known, work)?;
     let Some(&first) = pixels.iter().find(|pixel| pixel.is_finite()) else {
         return Err(Error::NothingDefined { pixels: count });
     };
     work.masked.fill(0.0);
     let mut fine_noise = 1.0;
     for round in 0..=ROUNDS {
-        if !measure_signal(pixels, width, known, work) {
+        if !measure_signal(pixels, grid, known, work) {
             return Err(Error::Constant { value: first });
         }
-        fine_noise = smooth(width, work);
+        fine_noise = smooth(grid, work);
         if round < ROUNDS {
-            mask_sources(width, setting.outline, MASKED_PEAK * fine_noise, work);
+            mask_sources(grid, setting.outline, MASKED_PEAK * fine_noise, work);
         }
     }
-    let field = Field { values: work.signal, width };
-    let photon = photon::slope(field, work.fine, work.masked, work.scratch);
-    let unlabelled = separate((pixels, known), width, (fine_noise, photon), setting, work);
-    let (significance, least) = cut(width, setting, work);
+    let field = Field { values: work.signal, grid };
+    let photon = photon::slope(field, work.fine, work.masked, Keys(work.parents, work.order));
+    let unlabelled = separate((pixels, known), grid, (fine_noise, photon), setting, work);
+    let (significance, least) = cut(grid, setting, work);
     let (sources, mask_pixels) = keep(setting, least, work);
     Ok(Found { sources, mask_pixels, unlabelled, significance, photon })
 }
 
-fn check(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_>) -> Result<(), Error> {
-    let height = count.checked_div(width).unwrap_or(0);
-    if width == 0 || height == 0 || !count.is_multiple_of(width) || count > 1 << 30 {
+fn check(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_>) -> Result<Grid, Error> {
+    let whole = |grid: &Grid| grid.height > 0 && grid.cells() == count && count <= 1 << 30;
+    let Some(grid) = Grid::of(count, width).filter(whole) else {
+        let height = count.checked_div(width).unwrap_or(0);
         return Err(Error::Size { width, height, least: 1, most_pixels: 1 << 30 });
-    }
-    let needed = mesh_cells(width, height);
+    };
+    let needed = mesh_cells(width, grid.height);
     if work.mesh.len() < needed {
         return Err(Error::Length { name: "the mesh", given: work.mesh.len(), needed });
     }
@@ -159,23 +162,25 @@ fn check(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_>
     let maps = [known.background, known.noise].into_iter().flatten().map(<[f32]>::len);
     match floats.into_iter().chain(words).chain(maps).find(|&given| given != count) {
         Some(given) => Err(Error::Length { name: "a plane or map", given, needed: count }),
-        None => Ok(()),
+        None => Ok(grid),
     }
 }
 
 /// Signal-to-noise of every pixel, spikes replaced; undefined pixels have none. Says whether there
 /// is any noise.
-fn measure_signal(pixels: &[f32], width: usize, known: &Known<'_>, work: &mut Workspace<'_>) -> bool {
-    let height = pixels.len() / width;
-    let mesh = Mesh::measure(pixels, work.masked, (width, height), work.mesh, work.scratch);
+fn measure_signal(pixels: &[f32], grid: Grid, known: &Known<'_>, work: &mut Workspace<'_>) -> bool {
+    let (width, height) = (grid.width.get(), grid.height);
+    let mut keys = Keys(work.parents, work.order);
+    let mesh = Mesh::measure(pixels, work.masked, (width, height), work.mesh, keys.again());
+    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
     let mut factor = 1.0;
     if known.relative {
-        let ratio = |at: usize| mesh.at(at % width, at / width).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(ratio, pixels.len(), work.scratch);
+        let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
+        factor = typical(ratio, pixels.len(), keys);
     }
     let mut noise_seen = false;
     for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
-        let sky = mesh.at(at % width, at / width);
+        let sky = sky_at(at);
         let level = Known::value(known.background, at).unwrap_or(sky.level);
         let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
         let signal = (pixel - level) / noise;
@@ -193,29 +198,23 @@ fn measure_signal(pixels: &[f32], width: usize, known: &Known<'_>, work: &mut Wo
     noise_seen
 }
 
-/// The median of the positive values of an evenly spread sample; 1 where there are none.
-fn typical(value: impl Fn(usize) -> f32, count: usize, values: &mut [f32]) -> f32 {
-    let stride = count.div_ceil(SAMPLES) | 1;
-    let mut used = 0;
-    for value in (0..count).step_by(stride).map(value).filter(|value| value.is_finite() && *value > 0.0) {
-        if let Some(out) = values.get_mut(used) {
-            *out = value;
-            used += 1;
-        }
-    }
-    if used == 0 { 1.0 } else { median(values.get_mut(..used).unwrap_or(&mut [])) }
+/// The median of the positive values of a sample; 1 where there are none.
+fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
+    let positive = |value: &f32| value.is_finite() && *value > 0.0;
+    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
+    if sorted.is_empty() { 1.0 } else { median(sorted) }
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-fn smooth(width: usize, work: &mut Workspace<'_>) -> f32 {
+fn smooth(grid: Grid, work: &mut Workspace<'_>) -> f32 {
     let [scale, ..] = SCALES;
-    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, width);
+    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
     let fine = &*work.fine;
     let value = |plane: &[f32], at: usize| plane.get(at).copied().unwrap_or(0.0);
-    let fine_noise = noise(|at| value(fine, at), work.masked, work.scratch);
-    Weights::SPLINE.apply(fine, work.scratch, work.smooth, width);
+    let fine_noise = noise(|at| value(fine, at), work.masked, Keys(work.parents, work.order));
+    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let least = LEPSKI * noise(detail, work.masked, work.scratch);
+    let least = LEPSKI * noise(detail, work.masked, Keys(work.parents, work.order));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
         let change = if fine > *smooth { fine - *smooth } else { *smooth - fine };
         if change >= least {
@@ -227,7 +226,7 @@ fn smooth(width: usize, work: &mut Workspace<'_>) -> f32 {
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, and what is within about
 /// three pixels of them.
-fn mask_sources(width: usize, outline: f32, peak: f32, work: &mut Workspace<'_>) {
+fn mask_sources(grid: Grid, outline: f32, peak: f32, work: &mut Workspace<'_>) {
     const SOURCE: f32 = 1.0;
     const PERHAPS: f32 = 0.5;
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
@@ -238,11 +237,11 @@ fn mask_sources(width: usize, outline: f32, peak: f32, work: &mut Workspace<'_>)
         };
     }
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
-    let (marks, height) = (&mut *work.fine, work.signal.len() / width);
+    let marks = &mut *work.fine;
     for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
         let source = |at: usize| marks.get(at).is_some_and(|&mark| mark == SOURCE);
         if marks.get(index).is_some_and(|&mark| mark == PERHAPS)
-            && neighbours(index, width, height).any(source)
+            && grid.neighbours(index).any(source)
             && let Some(mark) = marks.get_mut(index)
         {
             *mark = SOURCE;
@@ -252,7 +251,7 @@ fn mask_sources(width: usize, outline: f32, peak: f32, work: &mut Workspace<'_>)
         *mark = 0.0;
     }
     let [_, growth, ..] = SCALES;
-    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, width);
+    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > 0.08 { 1.0 } else { 0.0 };
     }
@@ -261,14 +260,14 @@ fn mask_sources(width: usize, outline: f32, peak: f32, work: &mut Workspace<'_>)
 /// The tree, and the sources of its regions; gives the number of peaks without a region.
 fn separate(
     (pixels, known): (&[f32], &Known<'_>),
-    width: usize,
+    grid: Grid,
     (noise, photon): (f32, f32),
     setting: &Detection,
     work: &mut Workspace<'_>,
 ) -> u32 {
     let [.., sharpness] = SCALES;
-    Weights::gauss(sharpness).sharpen(work.fine, work.scratch, width, setting.sharpening);
-    let field = Field { values: work.fine, width };
+    Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
+    let field = Field { values: work.fine, grid };
     let mut used = 0;
     for (at, (&smooth, pixel)) in (0u32..).zip(work.smooth.iter().zip(pixels)) {
         let inside = smooth > setting.outline && pixel.is_finite() && known.allows(at as usize);
@@ -278,7 +277,8 @@ fn separate(
         }
     }
     let order = work.order.get_mut(..used).unwrap_or(&mut []);
-    order.sort_unstable_by(|&a, &b| field.at(b as usize).total_cmp(&field.at(a as usize)).then(a.cmp(&b)));
+    // Brightest first; of equal ones the first in the frame.
+    sort::by_key(order, work.parents, |at| !key(field.at(at as usize)));
     work.parents.fill(NONE);
     let (mut count, mut left_out) = grow(field, order, work.parents, work.labels, work.regions, (setting, photon));
     for region in work.regions.iter_mut().take(count) {
@@ -306,14 +306,17 @@ fn separate(
         (count, left_out) = (now, left_out + more);
     }
     compete(field, work.labels, work.regions, 4);
-    straighten(work.labels, work.order, width, 2);
+    straighten(work.labels, work.order, grid, 2);
     left_out
 }
 
 /// Centres wide regions on their pixels above half the peak: in a flat source the brightest pixel
 /// is where the noise puts it. In a narrow one it is not, and neighbours would draw the centre away.
 fn centre_on_light(field: Field<'_>, labels: &[u32], regions: &mut [Region]) {
-    let place = |at: usize| ((at % field.width) as f32, (at / field.width) as f32);
+    let place = |at: usize| {
+        let (x, y) = field.grid.place(at);
+        (x as f32, y as f32)
+    };
     let region = |label: u32| (label as usize).wrapping_sub(1);
     for region in regions.iter_mut() {
         region.core = (0, 0.0, 0.0, 0.0);
@@ -337,12 +340,12 @@ fn centre_on_light(field: Field<'_>, labels: &[u32], regions: &mut [Region]) {
 }
 
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.
-fn cut(width: usize, setting: &Detection, work: &mut Workspace<'_>) -> (f32, f32) {
+fn cut(grid: Grid, setting: &Detection, work: &mut Workspace<'_>) -> (f32, f32) {
     let [_, _, scale, _] = SCALES;
-    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, width);
+    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
     let matched = |at: usize| work.fine.get(at).copied().unwrap_or(0.0);
-    let matched_noise = noise(matched, work.masked, work.scratch);
-    let slope = noise(|at| matched(at + 1) - matched(at), work.masked, work.scratch);
+    let matched_noise = noise(matched, work.masked, Keys(work.parents, work.order));
+    let slope = noise(|at| matched(at + 1) - matched(at), work.masked, Keys(work.parents, work.order));
     let roughness = if matched_noise > 0.0 { slope / matched_noise } else { 0.0 };
     let elements = work.signal.len() as f32 * roughness * roughness;
     sum_up(work);

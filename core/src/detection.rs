@@ -1,7 +1,7 @@
 //! What the noise-aware segmentation asks of a source: immutable, checked once.
 
 use crate::error::Error;
-use crate::tree::{Field, Region, neighbours};
+use crate::tree::{Field, Region};
 
 /// The settings of [`crate::detect::detect`]. "Noise units" are standard deviations of a pixel of
 /// empty sky.
@@ -105,6 +105,6 @@ impl Detection {
         let centre = field.centre(bright.peak as usize);
         let peak = faint.peak as usize;
         let own = |&at: &usize| field.at(at) > 2.0 * field.mirrored(centre, at).unwrap_or(0.0);
-        neighbours(peak, field.width, field.height()).chain([peak]).filter(own).count() >= 3
+        field.grid.neighbours(peak).chain([peak]).filter(own).count() >= 3
     }
 }

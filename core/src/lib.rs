@@ -8,8 +8,7 @@
 //!
 //! The crate does not allocate, has no `unsafe` code and gives the same bits on every processor:
 //! sums have a fixed order or are exact, `libm` is pinned, no NaN is ever made. That it does not
-//! panic is proved by linking (tests/no-panic), but for [`detect`], whose sorts the proof does not
-//! reach yet.
+//! panic is proved by linking (tests/no-panic).
 //!
 //! Planes are row-major; row 0 comes first and is the bottom row of a FITS image. Pixel centres
 //! have whole coordinates from (0, 0).
@@ -34,6 +33,7 @@ pub mod filter;
 pub mod flags;
 pub mod frame;
 pub mod front;
+pub mod grid;
 #[cfg(feature = "hal")]
 pub mod hal;
 pub mod kapur;
@@ -57,6 +57,7 @@ pub mod simulate;
 pub mod sky;
 pub mod smooth;
 pub mod snapshot;
+pub mod sort;
 pub mod spike;
 pub mod stage;
 pub mod start;

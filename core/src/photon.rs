@@ -4,8 +4,7 @@
 //! doi:10.1006/cviu.1996.0060); its scatter on pixels of like brightness, against that on sky,
 //! is the image's own photon transfer curve.
 
-use crate::sky::median;
-use crate::smooth::SAMPLES;
+use crate::sort::{Keys, median};
 use crate::tree::Field;
 
 /// Brightness from which the curve is read; each level is twice the one before it.
@@ -18,23 +17,15 @@ const ENOUGH: usize = 100;
 /// The photon noise `a` of a signal-to-noise image: a pixel of brightness v has the variance
 /// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
 /// where no level has enough pixels. `fine` is the signal lightly smoothed, `masked` above 0 near
-/// sources; `values` takes up to [`SAMPLES`]. Cost: five looks at each pixel.
-pub fn slope(signal: Field<'_>, fine: &[f32], masked: &[f32], values: &mut [f32]) -> f32 {
-    let room = values.len().clamp(1, SAMPLES);
+/// sources. Cost: five looks at each pixel.
+pub fn slope(signal: Field<'_>, fine: &[f32], masked: &[f32], mut keys: Keys<'_>) -> f32 {
     let mut scatter = |from: f32, to: f32, sky: bool| {
-        let stride = if sky { fine.len().div_ceil(room) | 1 } else { 1 };
-        let mut count = 0;
-        for (at, (&bright, &mask)) in fine.iter().zip(masked).enumerate().step_by(stride) {
-            let wanted = if sky { mask <= 0.0 } else { bright >= from && bright < to };
-            if !wanted {
-                continue;
-            }
-            if let (Some(second), Some(out)) = (second_difference(signal, at), values.get_mut(count)) {
-                *out = second;
-                count += 1;
-            }
-        }
-        (count >= ENOUGH).then(|| median(values.get_mut(..count).unwrap_or(&mut [])))
+        let stride = if sky { keys.stride(fine.len()) } else { 1 };
+        let pixels = fine.iter().zip(masked).enumerate().step_by(stride);
+        let wanted = |bright: f32, mask: f32| if sky { mask <= 0.0 } else { bright >= from && bright < to };
+        let wanted = pixels.filter(|(_, (bright, mask))| wanted(**bright, **mask));
+        let sorted = keys.sorted(wanted.filter_map(|(at, _)| second_difference(signal, at)));
+        (sorted.len() >= ENOUGH).then(|| median(sorted))
     };
     let Some(sky) = scatter(0.0, 0.0, true).filter(|&sky| sky > 0.0) else { return 0.0 };
     let mut least = None;
@@ -53,15 +44,12 @@ pub fn slope(signal: Field<'_>, fine: &[f32], masked: &[f32], values: &mut [f32]
 
 /// The size of the difference along x of the difference along y; `None` at the frame's border.
 fn second_difference(field: Field<'_>, at: usize) -> Option<f32> {
-    let x = at % field.width;
-    if x == 0 || x + 1 == field.width {
+    let (grid, (x, y)) = (field.grid, field.grid.place(at));
+    if x == 0 || x + 1 == grid.width.get() || y == 0 || y + 1 == grid.height {
         return None;
     }
-    let row = |middle: usize| {
-        let row = field.values.get(middle.checked_sub(1)?..middle + 2)?;
-        let &[left, own, right] = row else { return None };
-        Some(left - 2.0 * own + right)
-    };
-    let difference = row(at.checked_sub(field.width)?)? - 2.0 * row(at)? + row(at + field.width)?;
+    let row = |middle: usize| field.at(middle - 1) - 2.0 * field.at(middle) + field.at(middle + 1);
+    let width = grid.width.get();
+    let difference = row(at - width) - 2.0 * row(at) + row(at + width);
     Some(if difference < 0.0 { -difference } else { difference })
 }

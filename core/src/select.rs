@@ -6,6 +6,7 @@
 
 use crate::codec::Codec;
 use crate::otsu::Histogram;
+use crate::sort::{key, value_of};
 
 /// Number of passes that a selection takes.
 pub const PASSES: u32 = 4;
@@ -16,17 +17,6 @@ pub struct Select {
     prefix: u32,
     pass: u32,
     rank: u32,
-}
-
-/// A key that sorts as the finite value does; -0 and +0 are neighbours.
-fn key(value: f32) -> u32 {
-    let bits = value.to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
-}
-
-fn value_of(key: u32) -> f32 {
-    let bits = if key >> 31 == 1 { key & !(1 << 31) } else { !key };
-    f32::from_bits(bits)
 }
 
 impl Select {

@@ -1,6 +1,10 @@
 //! Sky background and noise: a mesh of cells, each with a clipped mode, a median over the
 //! neighbouring cells and bilinear values between their centres.
 
+use crate::grid::Grid;
+use crate::sort::{self, Keys, median, ranked, value_of};
+use core::num::NonZero;
+
 /// Side of a mesh cell in pixels; a frame has a whole number of cells along each axis.
 pub const CELL: usize = 64;
 /// The most cells along an axis; larger frames have larger cells.
@@ -24,53 +28,32 @@ impl Sky {
     }
 }
 
-/// The median of `values`, which it reorders; 0 for none. The upper one of an even number.
-pub fn median(values: &mut [f32]) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
-}
-
-/// Clipped at three standard deviations until nothing more is clipped (at most ten times), the
-/// mode is `2.5 median - 1.5 mean`, or the median where the distribution is skew (Bertin and
-/// Arnouts 1996, doi:10.1051/aas:1996164). The noise makes good the 1.5 % that clipping takes.
-pub fn clipped(values: &mut [f32]) -> Sky {
-    if values.len() < 8 {
+/// The sky among sorted keys of values. Clipped at three standard deviations until nothing more is
+/// clipped (at most ten times), the mode is `2.5 median - 1.5 mean`, or the median where the
+/// distribution is skew (Bertin and Arnouts 1996, doi:10.1051/aas:1996164). The noise makes good
+/// the 1.5 % that clipping takes.
+pub fn clipped(sorted: &[u32]) -> Sky {
+    if sorted.len() < 8 {
         return Sky::UNKNOWN;
     }
-    let mut kept = values.len();
-    let mut centre = median(values);
+    let (mut kept, mut centre) = (sorted, median(sorted));
     // Half of the values lie within 0.6745 standard deviations; the lower half has no sources.
-    let lower = kept / 4;
-    let quartile = *values.select_nth_unstable_by(lower, f32::total_cmp).1;
-    let mut noise = (centre - quartile) * 1.4826;
+    let mut noise = (centre - ranked(kept, kept.len() / 4)) * 1.4826;
     let mut mean = centre;
     for _ in 0..10 {
-        let before = kept;
-        let mut next = 0;
-        for index in 0..kept {
-            let value = values.get(index).copied().unwrap_or(0.0);
-            let distance = if value > centre { value - centre } else { centre - value };
-            if distance <= 3.0 * noise {
-                values.swap(index, next);
-                next += 1;
-            }
-        }
-        if next < 8 {
+        let inside = within(kept, centre, 3.0 * noise);
+        if inside.len() < 8 {
             break;
         }
-        kept = next;
-        let inside = values.get_mut(..kept).unwrap_or(&mut []);
-        centre = median(inside);
-        let sum: f64 = inside.iter().map(|&value| f64::from(value)).sum();
-        let average = sum / kept as f64;
-        let squares: f64 =
-            inside.iter().map(|&value| (f64::from(value) - average) * (f64::from(value) - average)).sum();
+        let over = inside.len() == kept.len();
+        (kept, centre) = (inside, median(inside));
+        let values = || inside.iter().map(|&key| f64::from(value_of(key)));
+        let count = inside.len() as f64;
+        let average = values().sum::<f64>() / count;
+        let squares: f64 = values().map(|value| (value - average) * (value - average)).sum();
         mean = average as f32;
-        noise = libm::sqrt(squares / kept as f64) as f32 * 1.015;
-        if kept == before {
+        noise = libm::sqrt(squares / count) as f32 * 1.015;
+        if over {
             break;
         }
     }
@@ -78,74 +61,76 @@ pub fn clipped(values: &mut [f32]) -> Sky {
     Sky { level: if skew < 0.3 * noise { 2.5 * centre - 1.5 * mean } else { centre }, noise }
 }
 
+/// The sorted keys whose values are at most `distance` from `centre`.
+fn within(sorted: &[u32], centre: f32, distance: f32) -> &[u32] {
+    let near = |&key: &u32| {
+        let value = value_of(key);
+        (if value > centre { value - centre } else { centre - value }) <= distance
+    };
+    let first = sorted.iter().position(near).unwrap_or(sorted.len());
+    let end = sorted.iter().rposition(near).map_or(first, |last| last + 1);
+    sorted.get(first..end).unwrap_or(&[])
+}
+
 /// The mesh over a frame, in the caller's memory.
 #[derive(Debug)]
 pub struct Mesh<'m> {
     cells: &'m mut [Sky],
-    columns: usize,
-    rows: usize,
+    grid: Grid,
     /// Cells per pixel along each axis.
     scale: (f32, f32),
 }
 
 /// Cells along an axis of `length` pixels.
-pub const fn cells_along(length: usize) -> usize {
+pub const fn cells_along(length: usize) -> NonZero<usize> {
     let cells = (length + CELL / 2) / CELL;
-    if cells == 0 {
-        1
-    } else if cells > MOST_CELLS {
-        MOST_CELLS
-    } else {
-        cells
+    match NonZero::new(if cells > MOST_CELLS { MOST_CELLS } else { cells }) {
+        Some(cells) => cells,
+        None => NonZero::<usize>::MIN,
     }
 }
 
 /// Elements of the memory that [`Mesh::measure`] needs: the mesh, and a copy to filter it from.
 pub const fn mesh_cells(width: usize, height: usize) -> usize {
-    2 * cells_along(width) * cells_along(height)
+    2 * cells_along(width).get() * cells_along(height).get()
+}
+
+/// The most pixels of a cell.
+pub const fn cell_pixels(width: usize, height: usize) -> usize {
+    width.div_ceil(cells_along(width).get()) * height.div_ceil(cells_along(height).get())
 }
 
 impl<'m> Mesh<'m> {
     /// The mesh of a frame that [`Mesh::measure`] left in `cells`.
     pub fn over(cells: &'m mut [Sky], (width, height): (usize, usize)) -> Mesh<'m> {
-        let (columns, rows) = (cells_along(width), cells_along(height));
-        Mesh { cells, columns, rows, scale: (columns as f32 / width as f32, rows as f32 / height as f32) }
+        let (columns, rows) = (cells_along(width), cells_along(height).get());
+        let scale = (columns.get() as f32 / width as f32, rows as f32 / height as f32);
+        Mesh { cells, grid: Grid { width: columns, height: rows }, scale }
     }
 
     /// Measures the sky of `pixels` (row-major, not finite = undefined) where `masked` is not
-    /// above 0. `values` needs as many elements as the largest cell has pixels, `cells`
-    /// [`mesh_cells`]. Cost: about twenty looks at each pixel.
+    /// above 0. `keys` needs room for [`cell_pixels`], `cells` [`mesh_cells`]. Cost: about twenty
+    /// looks at each pixel.
     pub fn measure(
         pixels: &[f32],
         masked: &[f32],
         (width, height): (usize, usize),
         cells: &'m mut [Sky],
-        values: &mut [f32],
+        mut keys: Keys<'_>,
     ) -> Mesh<'m> {
         let (columns, rows) = (cells_along(width), cells_along(height));
-        let (cells, copy) = cells.split_at_mut_checked(columns * rows).unwrap_or((&mut [], &mut []));
+        let (cells, copy) = cells.split_at_mut_checked(columns.get() * rows.get()).unwrap_or((&mut [], &mut []));
         let mut mesh = Mesh::over(cells, (width, height));
-        for row in 0..rows {
-            for column in 0..columns {
-                let (left, right) = (column * width / columns, (column + 1) * width / columns);
-                let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
-                let mut count = 0;
-                for y in bottom..top {
-                    for at in y * width + left..y * width + right {
-                        let value = pixels.get(at).copied().unwrap_or(f32::NAN);
-                        let sky = masked.get(at).is_none_or(|&mask| mask <= 0.0);
-                        if let (true, true, Some(out)) = (value.is_finite(), sky, values.get_mut(count)) {
-                            *out = value;
-                            count += 1;
-                        }
-                    }
-                }
-                let enough = count * 10 > (right - left) * (top - bottom);
-                let sky = if enough { clipped(values.get_mut(..count).unwrap_or(&mut [])) } else { Sky::UNKNOWN };
-                if let Some(cell) = mesh.cells.get_mut(row * columns + column) {
-                    *cell = sky;
-                }
-            }
+        let sky = |at: &usize| masked.get(*at).is_none_or(|&mask| mask <= 0.0);
+        for (index, cell) in mesh.cells.iter_mut().enumerate() {
+            let (column, row) = mesh.grid.place(index);
+            let (left, right) = (column * width / columns, (column + 1) * width / columns);
+            let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
+            let places = (bottom..top).flat_map(|y| y * width + left..y * width + right).filter(sky);
+            let values = places.filter_map(|at| pixels.get(at).copied()).filter(|value| value.is_finite());
+            let sorted = keys.sorted(values);
+            let enough = sorted.len() * 10 > (right - left) * (top - bottom);
+            *cell = if enough { clipped(sorted) } else { Sky::UNKNOWN };
         }
         mesh.fill(copy);
         mesh.smooth(copy);
@@ -156,23 +141,25 @@ impl<'m> Mesh<'m> {
         cells.get(index).copied().unwrap_or(Sky::UNKNOWN)
     }
 
+    /// The cells of a copy around one, and itself.
+    fn around(copy: &[Sky], grid: Grid, index: usize) -> impl Iterator<Item = Sky> {
+        let (column, row) = grid.place(index);
+        let rows = row.saturating_sub(1)..(row + 2).min(grid.height);
+        let columns = column.saturating_sub(1)..(column + 2).min(grid.width.get());
+        rows.flat_map(move |y| columns.clone().map(move |x| Self::cell(copy, y * grid.width.get() + x)))
+    }
+
     /// Unknown cells take the mean of their known neighbours, ring by ring.
     fn fill(&mut self, copy: &mut [Sky]) {
-        for _ in 0..self.columns + self.rows {
+        for _ in 0..self.grid.width.get() + self.grid.height {
             copy.iter_mut().zip(self.cells.iter()).for_each(|(copy, cell)| *copy = *cell);
             if copy.iter().take(self.cells.len()).all(|cell| cell.known()) {
                 return;
             }
             for (index, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| !cell.known()) {
-                let (column, row) = (index % self.columns, index / self.columns);
                 let (mut level, mut noise, mut count) = (0.0, 0.0, 0.0);
-                for y in row.saturating_sub(1)..(row + 2).min(self.rows) {
-                    for x in column.saturating_sub(1)..(column + 2).min(self.columns) {
-                        let near = Self::cell(copy, y * self.columns + x);
-                        if near.known() {
-                            (level, noise, count) = (level + near.level, noise + near.noise, count + 1.0);
-                        }
-                    }
+                for near in Self::around(copy, self.grid, index).filter(|near| near.known()) {
+                    (level, noise, count) = (level + near.level, noise + near.noise, count + 1.0);
                 }
                 if count > 0.0 {
                     *cell = Sky { level: level / count, noise: noise / count };
@@ -185,18 +172,8 @@ impl<'m> Mesh<'m> {
     fn smooth(&mut self, copy: &mut [Sky]) {
         copy.iter_mut().zip(self.cells.iter()).for_each(|(copy, cell)| *copy = *cell);
         for (index, cell) in self.cells.iter_mut().enumerate() {
-            let (column, row) = (index % self.columns, index / self.columns);
-            let (mut levels, mut noises, mut count) = ([0.0; 9], [0.0; 9], 0);
-            for y in row.saturating_sub(1)..(row + 2).min(self.rows) {
-                for x in column.saturating_sub(1)..(column + 2).min(self.columns) {
-                    let near = Self::cell(copy, y * self.columns + x);
-                    if let (Some(level), Some(noise)) = (levels.get_mut(count), noises.get_mut(count)) {
-                        (*level, *noise) = (near.level, near.noise);
-                        count += 1;
-                    }
-                }
-            }
-            *cell = Sky { level: middle(&mut levels, count), noise: middle(&mut noises, count) };
+            let near = || Self::around(copy, self.grid, index);
+            *cell = Sky { level: middle(near().map(|sky| sky.level)), noise: middle(near().map(|sky| sky.noise)) };
         }
     }
 
@@ -207,14 +184,15 @@ impl<'m> Mesh<'m> {
             let place = if place > 0.0 { place } else { 0.0 };
             let first = (place as usize).min(cells.saturating_sub(2));
             let part = place - first as f32;
-            (first, (first + 1).min(cells - 1), if part > 1.0 { 1.0 } else { part })
+            (first, (first + 1).min(cells.saturating_sub(1)), if part > 1.0 { 1.0 } else { part })
         };
-        let (left, right, part_x) = place(x, self.columns, self.scale.0);
-        let (below, above, part_y) = place(y, self.rows, self.scale.1);
+        let columns = self.grid.width.get();
+        let (left, right, part_x) = place(x, columns, self.scale.0);
+        let (below, above, part_y) = place(y, self.grid.height, self.scale.1);
         let blend = |value: fn(Sky) -> f32| {
             let row = |row: usize| {
-                value(Self::cell(self.cells, row * self.columns + left)) * (1.0 - part_x)
-                    + value(Self::cell(self.cells, row * self.columns + right)) * part_x
+                value(Self::cell(self.cells, row * columns + left)) * (1.0 - part_x)
+                    + value(Self::cell(self.cells, row * columns + right)) * part_x
             };
             row(below) * (1.0 - part_y) + row(above) * part_y
         };
@@ -222,10 +200,15 @@ impl<'m> Mesh<'m> {
     }
 }
 
-/// Median of the first `count` values; the mean of the middle two of an even number.
-fn middle(values: &mut [f32; 9], count: usize) -> f32 {
+/// The median of at most nine values; the mean of the middle two of an even number.
+fn middle(of: impl Iterator<Item = f32>) -> f32 {
+    let (mut values, mut count) = ([0.0; 9], 0);
+    for (out, value) in values.iter_mut().zip(of) {
+        *out = value;
+        count += 1;
+    }
     let values = values.get_mut(..count).unwrap_or(&mut []);
-    values.sort_unstable_by(f32::total_cmp);
+    sort::few(values, |a, b| sort::key(a) < sort::key(b));
     let at = |index: usize| values.get(index).copied().unwrap_or(0.0);
     if count % 2 == 1 { at(count / 2) } else { 0.5 * (at((count / 2).saturating_sub(1)) + at(count / 2)) }
 }

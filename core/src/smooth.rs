@@ -1,7 +1,8 @@
 //! Smoothing of a whole plane by a separable kernel, mirrored at the borders, and the noise
 //! that is left in it.
 
-use crate::sky::median;
+use crate::grid::Grid;
+use crate::sort::{Keys, median, ranked};
 
 /// The most weights of a kernel on one side of its centre.
 pub const RADIUS: usize = 12;
@@ -37,17 +38,17 @@ impl Weights {
 
     /// Smooths `from` into `to`, both W x H; `between` holds the plane smoothed along its rows.
     /// Each sum begins with the centre and goes outwards. Cost: `4 radius` additions a pixel.
-    pub fn apply(&self, from: &[f32], between: &mut [f32], to: &mut [f32], width: usize) {
-        self.along_rows(from, between, width);
+    pub fn apply(&self, from: &[f32], between: &mut [f32], to: &mut [f32], grid: Grid) {
+        self.along_rows(from, between, grid);
         to.fill(0.0);
-        self.add_along_columns(between, to, width, 1.0);
+        self.add_along_columns(between, to, grid, 1.0);
     }
 
     /// Adds to a plane `strength` times what smoothing takes from it: an unsharp mask.
-    pub fn sharpen(&self, plane: &mut [f32], between: &mut [f32], width: usize, strength: f32) {
-        self.along_rows(plane, between, width);
+    pub fn sharpen(&self, plane: &mut [f32], between: &mut [f32], grid: Grid, strength: f32) {
+        self.along_rows(plane, between, grid);
         plane.iter_mut().for_each(|value| *value *= 1.0 + strength);
-        self.add_along_columns(between, plane, width, -strength);
+        self.add_along_columns(between, plane, grid, -strength);
     }
 
     /// The weights beside the centre with their distances.
@@ -55,8 +56,8 @@ impl Weights {
         self.weights.into_iter().enumerate().take(self.radius + 1).skip(1)
     }
 
-    fn along_rows(&self, from: &[f32], to: &mut [f32], width: usize) {
-        let [centre, ..] = self.weights;
+    fn along_rows(&self, from: &[f32], to: &mut [f32], grid: Grid) {
+        let ([centre, ..], width) = (self.weights, grid.width.get());
         for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
             out.iter_mut().zip(row).for_each(|(out, value)| *out = centre * value);
             for (distance, weight) in self.sides() {
@@ -75,14 +76,13 @@ impl Weights {
         }
     }
 
-    fn add_along_columns(&self, from: &[f32], to: &mut [f32], width: usize, gain: f32) {
-        let [centre, ..] = self.weights;
-        let height = from.len() / width;
+    fn add_along_columns(&self, from: &[f32], to: &mut [f32], grid: Grid, gain: f32) {
+        let ([centre, ..], width) = (self.weights, grid.width.get());
         let row = |y: usize| from.get(y * width..(y + 1) * width).unwrap_or(&[]);
         for (y, out) in to.chunks_exact_mut(width).enumerate() {
             out.iter_mut().zip(row(y)).for_each(|(out, value)| *out += gain * centre * value);
             for (distance, weight) in self.sides() {
-                let [below, above] = mirrored(y, distance, height);
+                let [below, above] = mirrored(y, distance, grid.height);
                 add(out, row(below), row(above), gain * weight);
             }
         }
@@ -102,29 +102,16 @@ fn mirrored(at: usize, distance: usize, length: usize) -> [usize; 2] {
     [below.min(length.saturating_sub(1)), above]
 }
 
-/// The most values from which the noise of a plane is taken.
-pub const SAMPLES: usize = 1 << 16;
-
 /// Standard deviation of the noise of `value(at)` for the pixels that `masked` has as not above 0,
-/// from the lower half of the values: sources are positive. Of large planes a sample, evenly
-/// spread, gives it to half a percent. `values` takes up to [`SAMPLES`].
-pub fn noise(value: impl Fn(usize) -> f32, masked: &[f32], values: &mut [f32]) -> f32 {
-    let room = values.len().clamp(1, SAMPLES);
-    let mut count = 0;
-    // An odd stride does not fall on the same columns in every row of an even width.
-    for (at, _) in masked.iter().enumerate().step_by(masked.len().div_ceil(room) | 1).filter(|(_, mask)| **mask <= 0.0)
-    {
-        if let Some(out) = values.get_mut(count) {
-            *out = value(at);
-            count += 1;
-        }
-    }
-    if count < 16 {
+/// from the lower half of the values: sources are positive. Of large planes a sample
+/// gives it.
+pub fn noise(value: impl Fn(usize) -> f32, masked: &[f32], mut keys: Keys<'_>) -> f32 {
+    let places = masked.iter().enumerate().step_by(keys.stride(masked.len()));
+    let sorted = keys.sorted(places.filter(|(_, mask)| **mask <= 0.0).map(|(at, _)| value(at)));
+    if sorted.len() < 16 {
         return 1.0;
     }
-    let values = values.get_mut(..count).unwrap_or(&mut []);
-    let centre = median(values);
-    let (lower, _, _) = values.select_nth_unstable_by(count / 2, f32::total_cmp);
-    lower.iter_mut().for_each(|value| *value = centre - *value);
-    1.4826 * median(lower)
+    // The middle of the lower half's distances from the median.
+    let half = sorted.len() / 2;
+    1.4826 * (median(sorted) - ranked(sorted, half - 1 - half / 2))
 }

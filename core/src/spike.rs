@@ -1,5 +1,7 @@
 //! Hot pixels and cosmic rays: values that stand alone.
 
+use crate::sort;
+
 /// The most that a pixel's value may exceed its neighbours by, in noise units.
 const HEIGHT: f32 = 5.0;
 /// A pixel whose neighbours' median reaches this part of it is a star: no optics makes it sharper.
@@ -24,7 +26,7 @@ pub fn cleaned(rows: [&[f32]; 3], x: usize) -> f32 {
         }
     }
     let near = near.get_mut(..count).unwrap_or(&mut []);
-    near.sort_unstable_by(f32::total_cmp);
+    sort::few(near, |a, b| sort::key(a) < sort::key(b));
     let at = |index: usize| near.get(index).copied().unwrap_or(0.0);
     let median = 0.5 * (at(count / 2) + at(count.saturating_sub(1) / 2));
     let floor = if median > 0.0 { median } else { 0.0 };

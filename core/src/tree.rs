@@ -5,6 +5,8 @@
 //! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
 
 use crate::detection::Detection;
+use crate::grid::Grid;
+use crate::sort;
 
 /// A region of the tree, in the end a source.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,31 +31,16 @@ pub struct Region {
 /// Parent of a pixel that is in no region.
 pub const NONE: u32 = u32::MAX;
 
-/// The four pixels that share an edge with `(x, y)`, and then the four that share a corner.
-pub fn neighbours(at: usize, width: usize, height: usize) -> impl Iterator<Item = usize> {
-    const STEPS: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
-    let (x, y) = (at % width, at / width);
-    STEPS.into_iter().filter_map(move |(dx, dy)| {
-        let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
-        (x < width && y < height).then_some(y * width + x)
-    })
-}
-
 /// A plane that is read at any place.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a> {
     /// Values, row-major.
     pub values: &'a [f32],
-    /// Columns.
-    pub width: usize,
+    /// Its shape.
+    pub grid: Grid,
 }
 
 impl Field<'_> {
-    /// Rows.
-    pub fn height(&self) -> usize {
-        self.values.len() / self.width
-    }
-
     /// The value at an index; 0 beyond the plane.
     pub fn at(&self, index: usize) -> f32 {
         self.values.get(index).copied().unwrap_or(0.0)
@@ -61,31 +48,32 @@ impl Field<'_> {
 
     /// The vertex of the parabolas through a peak and its neighbours.
     pub fn centre(&self, peak: usize) -> (f32, f32) {
-        let (x, y) = (peak % self.width, peak / self.width);
+        let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(peak));
         let vertex = |before: f32, after: f32| {
             let bend = before - 2.0 * self.at(peak) + after;
             if bend < -1e-6 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 }
         };
         let inner = |at: usize, length: usize| at > 0 && at + 1 < length;
-        let dx = if inner(x, self.width) { vertex(self.at(peak - 1), self.at(peak + 1)) } else { 0.0 };
-        let dy =
-            if inner(y, self.height()) { vertex(self.at(peak - self.width), self.at(peak + self.width)) } else { 0.0 };
+        let dx = if inner(x, width.get()) { vertex(self.at(peak - 1), self.at(peak + 1)) } else { 0.0 };
+        let (below, above) = (peak.wrapping_sub(width.get()), peak + width.get());
+        let dy = if inner(y, height) { vertex(self.at(below), self.at(above)) } else { 0.0 };
         (x as f32 + dx, y as f32 + dy)
     }
 
     /// The value across a centre, bilinear, not below 0: what a symmetric source has at `index`.
     /// `None` where that is beyond the frame.
     pub fn mirrored(&self, centre: (f32, f32), index: usize) -> Option<f32> {
-        let (x, y) = (2.0 * centre.0 - (index % self.width) as f32, 2.0 * centre.1 - (index / self.width) as f32);
-        let (last_x, last_y) = (self.width.checked_sub(2)?, self.height().checked_sub(2)?);
+        let (width, (x, y)) = (self.grid.width.get(), self.grid.place(index));
+        let (x, y) = (2.0 * centre.0 - x as f32, 2.0 * centre.1 - y as f32);
+        let (last_x, last_y) = (width.checked_sub(2)?, self.grid.height.checked_sub(2)?);
         if x < 0.0 || y < 0.0 || x > (last_x + 1) as f32 || y > (last_y + 1) as f32 {
             return None;
         }
         let (left, below) = ((x as usize).min(last_x), (y as usize).min(last_y));
         let (part_x, part_y) = (x - left as f32, y - below as f32);
-        let first = below * self.width + left;
+        let first = below * width + left;
         let row = |first: usize| self.at(first) * (1.0 - part_x) + self.at(first + 1) * part_x;
-        let value = row(first) * (1.0 - part_y) + row(first + self.width) * part_y;
+        let value = row(first) * (1.0 - part_y) + row(first + width) * part_y;
         Some(if value > 0.0 { value } else { 0.0 })
     }
 }
@@ -119,7 +107,7 @@ pub fn grow(
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, (f32::NEG_INFINITY, NONE));
-        for near in neighbours(at, field.width, field.height()) {
+        for near in field.grid.neighbours(at) {
             if parents.get(near).is_none_or(|&parent| parent == NONE) {
                 continue;
             }
@@ -149,7 +137,8 @@ pub fn grow(
         }
         let brightness = |root: u32| regions.get(id(ids, root)).map_or(0.0, |region| region.value);
         let roots = roots.get_mut(..found).unwrap_or(&mut []);
-        roots.sort_unstable_by(|&a, &b| brightness(b).total_cmp(&brightness(a)).then(a.cmp(&b)));
+        let key = |root: u32| (!sort::key(brightness(root)), root);
+        sort::few(roots, |a, b| key(a) < key(b));
         let Some((&host, others)) = roots.split_first() else { continue };
         for &other in others {
             let (host_id, other_id) = (id(ids, host), id(ids, other));

@@ -1,6 +1,7 @@
 //! Sky background and noise at every pixel, from the core's mesh.
 
-use skyfront_core::sky::{Mesh, Sky, mesh_cells};
+use skyfront_core::sky::{Mesh, Sky, cell_pixels, mesh_cells};
+use skyfront_core::sort::Keys;
 
 /// Maps of one shape, row-major, in units of the image; NaN where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +24,8 @@ impl SkyMaps {
         let [mut level, mut noise] = planes;
         let size = (width, pixels.len() / width.max(1));
         let mut cells = vec![Sky::UNKNOWN; mesh_cells(size.0, size.1)];
-        let mesh = Mesh::measure(pixels, masked, size, &mut cells, &mut level);
+        let [mut keys, mut spare] = [(); 2].map(|()| vec![0; cell_pixels(size.0, size.1)]);
+        let mesh = Mesh::measure(pixels, masked, size, &mut cells, Keys(&mut keys, &mut spare));
         for (at, (level, noise)) in level.iter_mut().zip(&mut noise).enumerate() {
             let sky = mesh.at(at % width, at / width);
             (*level, *noise) = (sky.level, sky.noise);

@@ -4,7 +4,8 @@ use skyfront::detection::segment;
 use skyfront::pipeline::{Drive, Segmentation};
 use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
-use skyfront_core::sky::{Mesh, Sky, mesh_cells};
+use skyfront_core::sky::{Mesh, Sky, cell_pixels, mesh_cells};
+use skyfront_core::sort::Keys;
 use skyfront_tests::noise::{add_star, correlated, gaussian};
 
 fn run(setting: &Detection, pixels: &[f32], width: usize) -> Segmentation {
@@ -51,8 +52,8 @@ fn sky_and_noise_of_pure_noise_are_unbiased() {
     for (seed, k) in [(7, 0.0), (8, 0.18), (9, 0.4)] {
         let pixels: Vec<f32> = correlated(seed, side, k).iter().map(|noise| 1000.0 + 5.0 * noise).collect();
         let mut cells = vec![Sky::UNKNOWN; mesh_cells(side, side)];
-        let (masked, mut values) = (vec![0.0; side * side], vec![0.0; side * side]);
-        let mesh = Mesh::measure(&pixels, &masked, (side, side), &mut cells, &mut values);
+        let [mut keys, mut spare] = [(); 2].map(|()| vec![0; cell_pixels(side, side)]);
+        let mesh = Mesh::measure(&pixels, &[], (side, side), &mut cells, Keys(&mut keys, &mut spare));
         let (mut level, mut noise) = (0.0, 0.0);
         for at in 0..side * side {
             let sky = mesh.at(at % side, at / side);

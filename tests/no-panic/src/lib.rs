@@ -1,11 +1,11 @@
-//! The public entries of the core, in every arithmetic, as exported functions of unknown arguments:
-//! all but `detect`, whose sorts the optimiser cannot follow.
+//! The public entries of the core, in every arithmetic, as exported functions of unknown arguments.
 //!
 //! The panic handler calls a function that does not exist. The optimiser drops the handler, and
 //! with it the call, when it has proved that no panic can be reached; otherwise linking fails and
 //! the linker names the functions that could panic.
 #![no_std]
 
+mod detection;
 mod devices;
 
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24, Real};

@@ -1,0 +1,145 @@
+//! Sorting in bounded time, without a panic: what the standard library's sorts cannot promise.
+//!
+//! Many items are sorted by the bytes of a key, from the lowest (H. H. Seward 1954; Knuth, The Art of Computer
+//! Programming, 5.2.5): items of one key keep their order. A key of 32 bits sorts as the finite value does.
+
+/// A key that sorts as the finite value does; -0 and +0 are neighbours.
+pub fn key(value: f32) -> u32 {
+    let bits = value.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+/// The value that has the key.
+pub fn value_of(key: u32) -> f32 {
+    let bits = if key >> 31 == 1 { key & !(1 << 31) } else { !key };
+    f32::from_bits(bits)
+}
+
+/// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements.
+/// Cost: eight looks at each item and its key.
+pub fn by_key(items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) {
+    let spare = spare.get_mut(..items.len()).unwrap_or(&mut []);
+    for shift in [0, 16] {
+        by_byte(items, spare, |item| (key(item) >> shift) as u8);
+        by_byte(spare, items, |item| (key(item) >> (shift + 8)) as u8);
+    }
+}
+
+fn by_byte(from: &[u32], to: &mut [u32], byte: impl Fn(u32) -> u8) {
+    let mut places = [0u32; 256];
+    for &item in from {
+        if let Some(count) = places.get_mut(usize::from(byte(item))) {
+            *count = count.wrapping_add(1);
+        }
+    }
+    let mut before = 0u32;
+    for place in &mut places {
+        (*place, before) = (before, before.wrapping_add(*place));
+    }
+    for &item in from {
+        if let Some(place) = places.get_mut(usize::from(byte(item))) {
+            if let Some(out) = to.get_mut(*place as usize) {
+                *out = item;
+            }
+            *place = place.wrapping_add(1);
+        }
+    }
+}
+
+/// Sorts a few items by insertion; `precedes` says whether one comes before another.
+pub fn few<T: Copy>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
+    for end in 1..items.len() {
+        for at in (0..end).rev() {
+            match items.get_mut(at..at + 2) {
+                Some([left, right]) if precedes(*right, *left) => core::mem::swap(left, right),
+                _ => break,
+            }
+        }
+    }
+}
+
+/// The most values from which the noise of a plane is taken: its error is then half a percent.
+pub const SAMPLES: usize = 1 << 16;
+
+/// Room for keys, and as much again to sort them.
+#[derive(Debug)]
+pub struct Keys<'m>(pub &'m mut [u32], pub &'m mut [u32]);
+
+impl Keys<'_> {
+    /// How many keys there is room for.
+    pub fn room(&self) -> usize {
+        self.0.len().min(self.1.len())
+    }
+
+    /// The stride at which a sample of `count` values, evenly spread, finds room and has at most
+    /// [`SAMPLES`]. It is odd, not to fall on the same columns in every row of an even width.
+    pub fn stride(&self, count: usize) -> usize {
+        match self.room().min(SAMPLES) {
+            0 => 1,
+            room => count.div_ceil(room) | 1,
+        }
+    }
+
+    /// The same room, for another to use and give back.
+    pub fn again(&mut self) -> Keys<'_> {
+        Keys(self.0, self.1)
+    }
+
+    /// The keys of the values, the least first: as many as there is room for.
+    pub fn sorted(&mut self, values: impl Iterator<Item = f32>) -> &[u32] {
+        let mut count = 0;
+        for (out, value) in self.0.iter_mut().zip(values) {
+            *out = key(value);
+            count += 1;
+        }
+        let keys = self.0.get_mut(..count).unwrap_or(&mut []);
+        by_key(keys, self.1, |key| key);
+        keys
+    }
+}
+
+/// The value of a rank among sorted keys; 0 beyond them.
+pub fn ranked(sorted: &[u32], rank: usize) -> f32 {
+    sorted.get(rank).map_or(0.0, |&key| value_of(key))
+}
+
+/// The median of sorted keys, the upper one of an even number; 0 for none.
+pub fn median(sorted: &[u32]) -> f32 {
+    ranked(sorted, sorted.len() / 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sorted_as_the_standard_library_does() {
+        let mut values = core::array::from_fn::<f32, 1000, _>(|i| {
+            let bits = (i as u32).wrapping_mul(0x9E37_79B1);
+            if i % 7 == 0 { 0.0 } else { (bits as i32 >> (i % 30)) as f32 }
+        });
+        values[5] = -0.0;
+        let (mut keys, mut spare) = ([0; 1000], [0; 1000]);
+        let mut room = Keys(&mut keys, &mut spare);
+        let sorted = room.sorted(values.into_iter()).iter().map(|&key| value_of(key).to_bits());
+        let mut order = core::array::from_fn::<u32, 1000, _>(|i| i as u32);
+        by_key(&mut order, &mut [0; 1000], |at| !key(values[at as usize]));
+        let mut brightest = core::array::from_fn::<u32, 1000, _>(|i| i as u32);
+        brightest.sort_by(|&a, &b| values[b as usize].total_cmp(&values[a as usize]));
+        assert_eq!(order, brightest, "items of one key keep their order");
+        let mut some = values;
+        some.sort_unstable_by(f32::total_cmp);
+        assert!(sorted.eq(some.iter().map(|value| value.to_bits())));
+        few(&mut values, |a, b| a.total_cmp(&b).is_lt());
+        assert_eq!(values.map(f32::to_bits), some.map(f32::to_bits));
+    }
+
+    #[test]
+    fn keys_beyond_the_room_are_left_out() {
+        let (mut keys, mut spare) = ([0; 3], [0; 4]);
+        let mut room = Keys(&mut keys, &mut spare);
+        assert_eq!(room.room(), 3);
+        assert_eq!(median(room.sorted([5.0, 9.0, -1.0, 2.0].into_iter())), 5.0);
+        assert_eq!(median(room.sorted([].into_iter())), 0.0);
+    }
+}

@@ -33,6 +33,7 @@ pub fn passes(config: &Config, stage: Stage) -> u32 {
         Stage::StartLevel | Stage::StartMark | Stage::StartUp | Stage::StartDown => {
             u32::from(matches!(config.start, Start::Threshold { .. }))
         }
+        Stage::Edge => u32::from(config.scheme != Scheme::ChanVese),
         Stage::Evolve if config.scheme == Scheme::FastMarching => 0,
         Stage::Evolve => config.max_steps(),
         Stage::Seed | Stage::Sow | Stage::Arrive => u32::from(config.scheme == Scheme::FastMarching),
@@ -110,6 +111,7 @@ fn step(config: &Config) -> &'static str {
         (Scheme::SlCurvature, false, true) => "sl-curvature-band",
         (Scheme::SlCurvature, true, false) => "sl-curvature-64",
         (Scheme::SlCurvature, true, true) => "sl-curvature-64-band",
+        (Scheme::ChanVese, _, _) => "chan-vese",
         (Scheme::FastMarching, _, _) => "none",
     }
 }

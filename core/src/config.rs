@@ -132,9 +132,24 @@ pub enum Scheme {
     Sl,
     /// Semi-Lagrangian with curvature (`SLgk`).
     SlCurvature,
+    /// Active contours without edges ([`crate::scheme::ChanVese`]), by the regions of the filtered
+    /// image; the edge detector has no meaning there.
+    ChanVese,
     /// The first-order equation by arrival times, in one pass (see [`crate::march`]): the front at
     /// `t_max`. The time step has no meaning there.
     FastMarching,
+}
+
+/// The weights of Chan and Vese's energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChanVese {
+    /// Of the contour's length, in squared image units (0 to 1) times the paper's unit of length;
+    /// 0 to 10. A disc of contrast c as small as a radius of `2 mu / c^2` is smoothed away.
+    pub mu: f32,
+    /// Of the variance inside; above 0, at most 10.
+    pub lambda1: f32,
+    /// Of the variance outside; above 0, at most 10.
+    pub lambda2: f32,
 }
 
 /// Which form of the averages in `DFgk` and `SLgk` is computed.
@@ -200,6 +215,8 @@ pub struct Config {
     pub scheme: Scheme,
     /// Weight of the curvature, 0 to 1.
     pub nu: f32,
+    /// Weights of the energy of [`Scheme::ChanVese`].
+    pub chan_vese: ChanVese,
     /// Form of the curvature averages.
     pub curvature_form: CurvatureForm,
     /// The flat case of the curvature schemes begins at `|grad u| <= degenerate * dx`.
@@ -249,6 +266,7 @@ impl Config {
         edge: Edge::G2Mod { c2: 0.8 },
         scheme: Scheme::Fd,
         nu: 1e-4,
+        chan_vese: ChanVese { mu: 0.005, lambda1: 1.0, lambda2: 1.0 },
         curvature_form: CurvatureForm::Consistent,
         degenerate: 0.1,
         directions: 16,
@@ -280,18 +298,42 @@ impl Config {
         ..Config::PAPER_F160
     };
 
-    /// The paper's time step for a scheme: dx/4, dx^2 with curvature, dx for semi-Lagrangian.
+    /// Active contours without edges for real images: pixels in units of the noise, those above
+    /// 3 of them lifted by `r3`, and a contour that two noisy pixels are not worth.
+    pub const CHAN_VESE: Config = Config {
+        normalize: Normalize::Noise { below: 3.0, above: 30.0 },
+        rescale: Rescale::R3 { beta: 8, tau: Tau::Noise { k: 3.0 } },
+        scheme: Scheme::ChanVese,
+        chan_vese: ChanVese { mu: 0.015, lambda1: 1.0, lambda2: 1.0 },
+        dt: 8.0,
+        t_max: 1600.0,
+        start: Start::Threshold { margin: 1.0 },
+        min_area: 5,
+        ..Config::PAPER_F160
+    };
+
+    /// The paper's time step for a scheme: dx/4, dx^2 with curvature, dx for semi-Lagrangian. Ours
+    /// for Chan and Vese, in which one step moves a pixel of contrast 0.5 across the band.
     pub fn paper_dt(scheme: Scheme, dx: f32) -> f32 {
         match scheme {
             Scheme::Fd | Scheme::FastMarching => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
+            Scheme::ChanVese => 8.0,
         }
     }
 
-    /// The same run with another scheme at the paper's time step for it.
+    /// The same run with another scheme at the paper's time step for it. Chan and Vese's regions
+    /// start near the objects, where their means differ, and get time for 200 steps.
     pub fn with_scheme(self, scheme: Scheme) -> Config {
-        Config { scheme, dt: Config::paper_dt(scheme, self.dx), ..self }
+        let config = Config { scheme, dt: Config::paper_dt(scheme, self.dx), ..self };
+        match (scheme, self.start) {
+            (Scheme::ChanVese, Start::Frame) => {
+                Config { start: Start::Threshold { margin: 1.0 }, t_max: 200.0 * config.dt, ..config }
+            }
+            (Scheme::ChanVese, _) => Config { t_max: 200.0 * config.dt, ..config },
+            _ => config,
+        }
     }
 
     /// `t_max` in pixels of free motion.
@@ -398,6 +440,18 @@ impl Config {
         if matches!(self.edge, Edge::G1 { .. }) && 0.5 / self.dx >= limit {
             return out_of_range("g1 needs a dx above 1/256: 1 / (2 dx) must be below 128, the end of its range");
         }
+        if self.scheme == Scheme::ChanVese {
+            let ChanVese { mu, lambda1, lambda2 } = self.chan_vese;
+            let weights = self.dt * (lambda1 + lambda2);
+            // The squares around a pixel weigh at most 4 / degenerate together, twice.
+            let divisor = 1.0 + 8.0 * self.dt * mu / (self.dx * self.degenerate);
+            if weights >= limit || divisor >= limit || 1.0 / self.degenerate >= limit {
+                return out_of_range(
+                    "dt (lambda1 + lambda2), 1 / degenerate and 1 + 8 dt mu / (dx degenerate) must be below 128, \
+                     the end of its range",
+                );
+            }
+        }
         if self.band.is_some_and(|band| band >= limit) {
             return out_of_range("the band must be below 128 pixels, the end of its range");
         }
@@ -419,6 +473,13 @@ impl Config {
         at_most("nu", self.nu, 1.0)?;
         above("time step", self.dt, 0.0)?;
         at_most("time step", self.dt, self.longest_step())?;
+        let ChanVese { mu, lambda1, lambda2 } = self.chan_vese;
+        at_least("mu", mu, 0.0)?;
+        at_most("mu", mu, 10.0)?;
+        for (name, weight) in [("lambda1", lambda1), ("lambda2", lambda2)] {
+            above(name, weight, 0.0)?;
+            at_most(name, weight, 10.0)?;
+        }
         above("degenerate", self.degenerate, 0.0)?;
         at_most("degenerate", self.degenerate, 1e3)?;
         if self.directions != 16 && self.directions != 64 {
@@ -442,7 +503,7 @@ impl Config {
     }
 
     /// The bound on `dt` (CFL): 1/2 of a pixel a step for FD, 1 for SL; the look along the contour,
-    /// `sqrt(2 dt)`, within five pixels.
+    /// `sqrt(2 dt)`, within five pixels. None for Chan and Vese, whose step is implicit in the centre.
     ///
     /// FD with curvature must not overshoot: the weight of the old value v in the new one stays
     /// above 0. The four one-sided differences fall by `s = (a + |b| + c + |d|) / sqrt(a^2 + b^2 +
@@ -455,6 +516,8 @@ impl Config {
             Scheme::FdCurvature => self.dx * self.dx / (2.0 * (self.dx + self.nu)),
             Scheme::Sl => self.dx,
             Scheme::SlCurvature => self.dx.min(12.5 * self.dx * self.dx),
+            // Stable for any step; a longer one would not be a faster one.
+            Scheme::ChanVese => 1e3,
         };
         longest * SLACK
     }

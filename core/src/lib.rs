@@ -46,6 +46,7 @@ pub mod normalize;
 pub mod otsu;
 pub mod outcome;
 pub mod photon;
+pub mod region;
 pub mod rescale;
 pub mod rosin;
 pub mod scheme;

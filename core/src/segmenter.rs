@@ -13,6 +13,7 @@ use crate::frame::Frame;
 use crate::front::{Front, LEAST_SIDE};
 use crate::memory::{Memory, flags_len};
 use crate::outcome::{Outcome, Progress};
+use crate::region::Regions;
 use crate::scheme::{AnyScheme, Chosen, Evolve};
 use crate::settle::Settle;
 use crate::snapshot::{Parts, SnapshotError};
@@ -58,6 +59,8 @@ pub struct Evolution<'a, A: Arithmetic, S> {
     pub rule: StopRule<A>,
     /// How new values are settled.
     pub settle: Settle<A>,
+    /// The two regions of Chan and Vese, before the first step.
+    pub regions: Regions,
     /// The most steps it can take.
     pub max_steps: u32,
 }
@@ -227,6 +230,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             scheme: &self.scheme,
             rule: self.rule,
             settle: self.settle,
+            regions: self.state.regions,
             max_steps: self.config.max_steps(),
         })
     }

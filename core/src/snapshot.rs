@@ -8,7 +8,7 @@
 use crate::arithmetic::Arithmetic;
 use crate::catalog::Source;
 use crate::codec::{Codec, Reader, Writer};
-use crate::config::{Config, Diffusivity, Edge, Filter, Normalize, Rescale, Start, Tau};
+use crate::config::{ChanVese, Config, Diffusivity, Edge, Filter, Normalize, Rescale, Start, Tau};
 use crate::digest::Digest;
 use crate::memory::{Memory, flags_len};
 use crate::otsu::BINS;
@@ -19,10 +19,10 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
-const STATE_WORDS: usize = 101;
+const STATE_WORDS: usize = 114;
 const SOURCE_WORDS: usize = 25;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will
@@ -88,6 +88,7 @@ pub fn config_digest(config: &Config) -> u32 {
         edge,
         scheme,
         nu,
+        chan_vese: ChanVese { mu: length, lambda1, lambda2 },
         curvature_form,
         degenerate,
         directions,
@@ -143,7 +144,7 @@ pub fn config_digest(config: &Config) -> u32 {
     digest.bytes(&min_area.to_le_bytes());
     let band = band.unwrap_or(0.0);
     let numbers = [low, high, exponent, tau, mu, filter_dt, sharpness, nu, degenerate, dx, dt, t_max, eps_front];
-    for number in numbers.into_iter().chain([eps, band, margin]) {
+    for number in numbers.into_iter().chain([eps, band, margin, length, lambda1, lambda2]) {
         digest.bytes(&number.to_bits().to_le_bytes());
     }
     digest.value()

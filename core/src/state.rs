@@ -9,6 +9,7 @@ use crate::march::March;
 use crate::noise::Estimate;
 use crate::normalize::{Extremes, Range};
 use crate::outcome::StopReason;
+use crate::region::Regions;
 use crate::select::Select;
 use crate::stage::Stage;
 use crate::stop::{Change, StopRule};
@@ -29,6 +30,7 @@ pub(crate) struct State<A: Arithmetic> {
     pub march: March,
     pub marching: bool,
     pub change: Change<A>,
+    pub regions: Regions,
     pub last_change: f32,
     pub reason: StopReason,
     pub steps: u32,
@@ -56,6 +58,7 @@ impl<A: Arithmetic> State<A> {
             march: March::new(config.farthest()),
             marching: true,
             change: Change::none(rule),
+            regions: Regions::NONE,
             last_change: 0.0,
             reason: StopReason::TimeLimit,
             steps: 0,
@@ -91,6 +94,8 @@ impl<A: Arithmetic> State<A> {
         codec.word(&mut marching)?;
         codec.long(&mut self.change.sum)?;
         codec.word(&mut self.change.crossings)?;
+        self.change.regions.code(codec)?;
+        self.regions.code(codec)?;
         codec.real(&mut self.last_change)?;
         codec.word(&mut reason)?;
         for count in

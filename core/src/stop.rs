@@ -1,7 +1,8 @@
 //! When the front has stopped (`critarr`).
 
 use crate::arithmetic::{Arithmetic, Real};
-use crate::config::{Config, Stop};
+use crate::config::{Config, Scheme, Stop};
+use crate::region::Moments;
 
 /// What one step changed near the front. Parts of a step add up in any order to the same value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +11,8 @@ pub struct Change<A: Arithmetic> {
     pub sum: u64,
     /// Pixels near the front that crossed zero; counted only for the rule per unit time.
     pub crossings: u32,
+    /// What it changed in the sums of the two regions; nothing but [`crate::scheme::ChanVese`] has.
+    pub regions: Moments,
     near: Near<A>,
 }
 
@@ -32,7 +35,7 @@ impl<A: Arithmetic> Change<A> {
     /// Nothing yet, for the rule of a configuration.
     pub fn none(rule: &StopRule<A>) -> Self {
         let near = Near { limit: rule.near, count_crossings: rule.stop == Stop::Rate };
-        Change { sum: 0, crossings: 0, near }
+        Change { sum: 0, crossings: 0, regions: Moments::default(), near }
     }
 
     /// Takes in a row, or a piece of one, before and after the step.
@@ -52,6 +55,7 @@ impl<A: Arithmetic> Change<A> {
     pub fn merge(&mut self, other: &Self) {
         self.sum = self.sum.saturating_add(other.sum);
         self.crossings = self.crossings.saturating_add(other.crossings);
+        self.regions.merge(&other.regions);
     }
 }
 
@@ -74,7 +78,9 @@ impl<A: Arithmetic> StopRule<A> {
             Stop::Paper => config.eps,
             Stop::Rate => config.eps * config.dt,
         };
-        StopRule { stop: config.stop, near: A::Real::of(config.eps_front * unit), rest: (eps / scale) as u64, scale }
+        // Every pixel takes part in the means of Chan and Vese.
+        let near = if config.scheme == Scheme::ChanVese { 1.0 } else { config.eps_front * unit };
+        StopRule { stop: config.stop, near: A::Real::of(near), rest: (eps / scale) as u64, scale }
     }
 
     /// Whether a step that changed this much was the last.

@@ -20,8 +20,8 @@ pub trait Kernel<A: Arithmetic, const N: usize> {
     fn row(&mut self, old: &[&[A::Cell]; N], aux: &[A::Cell], new: &mut [A::Cell]);
 
     /// Takes note of what was computed, and may adjust it cell by cell; only in sweeps over tiles.
-    fn settle(&mut self, old: &[A::Cell], new: &mut [A::Cell]) {
-        let _ = (old, new);
+    fn settle(&mut self, old: &[A::Cell], aux: &[A::Cell], new: &mut [A::Cell]) {
+        let _ = (old, aux, new);
     }
 }
 
@@ -197,7 +197,7 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> ActiveRun<'_, '_, A,
             let (old, aux, new) = run.next_row(y);
             kernel.row(&old, aux, new);
             let before = centre_of(&old, new.len());
-            kernel.settle(before, new);
+            kernel.settle(before, aux, new);
             let pieces = before.chunks(COLUMNS).zip(new.chunks(COLUMNS));
             for (flag, (before, after)) in flags.iter_mut().zip(pieces) {
                 marker.mark::<_, N>(flag, before, after);
@@ -224,7 +224,7 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> ActiveRun<'_, '_, A,
                 let before = *new;
                 let mut after = before;
                 kernel.row(&window, aux, &mut after);
-                kernel.settle(&before, &mut after);
+                kernel.settle(&before, aux, &mut after);
                 marker.mark::<_, N>(flag, &before, &after);
                 *new = after;
                 x += COLUMNS;
@@ -248,7 +248,7 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> ActiveRun<'_, '_, A,
                         (*before, *after) = Default::default();
                     }
                 }
-                kernel.settle(&before, &mut after);
+                kernel.settle(&before, aux, &mut after);
                 marker.mark::<_, N>(flag, &before, &after);
                 rest.iter_mut().zip(after).for_each(|(new, after)| *new = after);
             }

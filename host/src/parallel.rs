@@ -46,13 +46,13 @@ where
     A: Arithmetic,
     S: Evolve<A> + Sync,
 {
-    let Evolution { front, speed, width, tile_rows, scheme, rule, settle, max_steps } = evolution;
+    let Evolution { front, speed, width, tile_rows, scheme, rule, settle, regions, max_steps } = evolution;
     let rows = front.len() / width;
     // At least two rows of tiles each: a neighbour's border must not reach through a band.
     let bands = threads.clamp(1, (rows / (2 * tile_rows)).max(1));
     let band_rows = rows.div_ceil(tile_rows).div_ceil(bands) * tile_rows;
     let fronts = bands_of(front, band_rows * width, tile_rows * width);
-    let none = Step { settle, change: Change::none(&rule) };
+    let none = Step { settle, change: Change::none(&rule), means: regions.means };
     let nothing = Shown { first: Border::default(), last: Border::default(), change: none.change };
     let set = || fronts.iter().map(|_| Mutex::new(nothing.clone())).collect::<Vec<_>>();
     let shared = Shared { shown: [set(), set()], barrier: Barrier::new(fronts.len()) };
@@ -64,7 +64,7 @@ where
         let mut flags = vec![0; (width.div_ceil(COLUMNS) + 1) * height.div_ceil(tile_rows)];
         let mut tiles = Tiles::new(&mut flags, width, tile_rows);
         tiles.wake();
-        let mut step = none;
+        let (mut step, mut regions) = (none, regions);
         for steps in 0.. {
             let shown = &shared.shown[steps as usize % 2];
             show(&mut lock(&shown[index]), front, &tiles, (width, window / 2), step.change);
@@ -83,8 +83,11 @@ where
             let after = shown.get(index + 1).map(|band| lock(band).first.clone()).unwrap_or_default();
             if steps > 0 {
                 tiles.turn(&before.flags, &after.flags);
+                if regions.turn(&change.regions) {
+                    tiles.wake();
+                }
             }
-            step = none;
+            step = Step { means: regions.means, ..none };
             let halo = Halo { before: &before.rows, after: &after.rows };
             let mut band = Band { plane: &mut *front, aux: speed, ring: &mut ring, width, halo };
             scheme.advance(&mut band, &mut tiles, 0..height, &mut step);

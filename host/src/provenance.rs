@@ -78,7 +78,10 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
         Filter::PeronaMalik { diffusivity, mu } => {
             add("SFFILTER", "filter", "pm".into());
             add("SFPM", "pm", if diffusivity == Diffusivity::F1 { "f1" } else { "f2" }.into());
-            add("SFMU", "mu", shortest(mu).into());
+            // With Chan and Vese `mu` is the weight of the length.
+            let taken = config.scheme == Scheme::ChanVese;
+            let (keyword, name) = if taken { ("SFPMMU", "pm_mu") } else { ("SFMU", "mu") };
+            add(keyword, name, shortest(mu).into());
         }
     }
     if config.filter != Filter::None {
@@ -101,6 +104,12 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
         let printed = config.curvature_form == CurvatureForm::Printed;
         add("SFNU", "nu", shortest(config.nu).into());
         add("SFCURV", "curvature_form", if printed { "printed" } else { "consistent" }.into());
+    }
+    if config.scheme == Scheme::ChanVese {
+        let weights = config.chan_vese;
+        add("SFMU", "mu", shortest(weights.mu).into());
+        add("SFLAMB1", "lambda1", shortest(weights.lambda1).into());
+        add("SFLAMB2", "lambda2", shortest(weights.lambda2).into());
     }
     if matches!(config.scheme, Scheme::Sl | Scheme::SlCurvature) {
         add("SFDIRS", "directions", i64::from(config.directions).into());
@@ -135,6 +144,7 @@ pub fn scheme_name(scheme: Scheme) -> &'static str {
         Scheme::Sl => "sl",
         Scheme::FdCurvature => "fd-curvature",
         Scheme::SlCurvature => "sl-curvature",
+        Scheme::ChanVese => "chan-vese",
         Scheme::FastMarching => "fast-marching",
     }
 }

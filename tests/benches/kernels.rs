@@ -11,6 +11,7 @@ use skyfront_core::edge::GradientRange;
 use skyfront_core::filter::Heat;
 use skyfront_core::machine::{Machine, Task};
 use skyfront_core::march::March;
+use skyfront_core::region::Regions;
 use skyfront_core::scheme::{AnyScheme, Evolve, Step};
 use skyfront_core::settle::Settle;
 use skyfront_core::stop::{Change, StopRule};
@@ -84,7 +85,7 @@ fn scheme<A: Arithmetic>(scheme: Scheme, band: Option<f32>) -> f64 {
     let (mut front, speed) = planes::<A>();
     let mut ring = vec![A::Cell::default(); ring_len(SIDE, evolve.window())];
     let mut flags = vec![0; flags_len(SIDE, SIDE)];
-    let mut step = Step { settle: Settle::new(band), change: Change::none(&rule) };
+    let mut step = Step { settle: Settle::new(band), change: Change::none(&rule), means: Regions::NONE.means };
     least(4, || {
         let mut tiles = Tiles::new(&mut flags, SIDE, rows_of_tile(SIDE));
         tiles.wake();

@@ -3,6 +3,7 @@
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
 use skyfront_core::memory::ring_cells;
+use skyfront_core::region::Regions;
 use skyfront_core::scheme::{AnyScheme, Evolve, Step};
 use skyfront_core::settle::Settle;
 use skyfront_core::stop::{Change, StopRule};
@@ -34,7 +35,8 @@ impl Front {
     /// One step; whether the stopping rule says that the front is at rest.
     pub fn step(&mut self) -> bool {
         let rule = StopRule::<F32>::new(&self.config, 1.0);
-        let mut step = Step { settle: Settle::new(self.config.band), change: Change::none(&rule) };
+        let mut step =
+            Step { settle: Settle::new(self.config.band), change: Change::none(&rule), means: Regions::NONE.means };
         let scheme = AnyScheme::<F32>::new(&self.config, 1.0).expect("a scheme for every configuration");
         let mut ring = vec![0.0; ring_cells(self.width, true)];
         let height = self.values.len() / self.width;

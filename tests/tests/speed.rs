@@ -10,6 +10,7 @@ use skyfront_core::error::Error;
 use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::machine::Plain;
 use skyfront_core::memory::flags_len;
+use skyfront_core::region::Regions;
 use skyfront_core::scheme::{Evolve, Step};
 use skyfront_core::segmenter::{Evolution, Segmenter};
 use skyfront_core::simulate::{Kind, Sky};
@@ -75,7 +76,7 @@ fn skipped<A: Arithmetic>(config: &Config, pixels: &[f32]) -> f64 {
     let mut some_flags = all_flags.clone();
     let (mut active, mut total) = (0, 0);
     for number in 0..max_steps {
-        let step = Step { settle, change: Change::none(&rule) };
+        let step = Step { settle, change: Change::none(&rule), means: Regions::NONE.means };
         let (mut of_all, mut of_some) = (step, step);
         let [ring_all, ring_some] = &mut rings;
         let mut tiles = Tiles::new(&mut all_flags, WIDTH, tile_rows);

@@ -58,6 +58,8 @@ fn no_scheme_prefers_a_direction() {
         check(&strong.with_scheme(scheme), Kind::Bright, 5);
         check(&strong.with_scheme(scheme), Kind::Stars, 6);
     }
+    check(&strong.with_scheme(Scheme::ChanVese), Kind::Bright, 5);
+    check(&strong.with_scheme(Scheme::ChanVese), Kind::Stars, 6);
     check(&Config { directions: 64, ..strong.with_scheme(Scheme::Sl) }, Kind::Bright, 5);
 }
 

@@ -1,6 +1,6 @@
 //! The scheme chosen at run time.
 
-use super::{Evolve, Fd, FdCurvature, Marching, Sl, SlCurvature, Step};
+use super::{ChanVese, Evolve, Fd, FdCurvature, Marching, Sl, SlCurvature, Step};
 use crate::arithmetic::Arithmetic;
 use crate::config::{Config, Scheme};
 use crate::sweep::Band;
@@ -22,6 +22,8 @@ pub enum AnyScheme<A: Arithmetic> {
     SlCurvature(SlCurvature<A>),
     /// `SLgk`, 64 directions.
     SlCurvatureFine(SlCurvature<A, 15>),
+    /// Active contours without edges.
+    ChanVese(ChanVese<A>),
     /// No steps at all.
     FastMarching(Marching),
 }
@@ -36,6 +38,7 @@ macro_rules! each {
             AnyScheme::SlFine($scheme) => $expression,
             AnyScheme::SlCurvature($scheme) => $expression,
             AnyScheme::SlCurvatureFine($scheme) => $expression,
+            AnyScheme::ChanVese($scheme) => $expression,
             AnyScheme::FastMarching($scheme) => $expression,
         }
     };
@@ -51,6 +54,7 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
             (Scheme::FdCurvature, _) => FdCurvature::new(config, unit).map(AnyScheme::FdCurvature),
             (Scheme::Sl, false) => Sl::new(config, unit).map(AnyScheme::Sl),
             (Scheme::Sl, true) => Sl::new(config, unit).map(AnyScheme::SlFine),
+            (Scheme::ChanVese, _) => ChanVese::new(config, unit).map(AnyScheme::ChanVese),
             (Scheme::FastMarching, _) => <Marching as Evolve<A>>::new(config, unit).map(AnyScheme::FastMarching),
             (Scheme::SlCurvature, false) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvature),
             (Scheme::SlCurvature, true) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvatureFine),

@@ -4,6 +4,7 @@
 //! undivided differences: lengths are pixels, and dx enters only through a few coefficients.
 
 mod any;
+mod chan_vese;
 mod fd;
 mod fd_curvature;
 mod marching;
@@ -12,6 +13,7 @@ mod sl;
 mod sl_curvature;
 
 pub use any::AnyScheme;
+pub use chan_vese::ChanVese;
 pub use fd::Fd;
 pub use fd_curvature::FdCurvature;
 pub use marching::Marching;
@@ -22,6 +24,7 @@ pub use sl_curvature::SlCurvature;
 
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
+use crate::region::Means;
 use crate::settle::Settle;
 use crate::stop::Change;
 use crate::sweep::{Band, Kernel, advance_active};
@@ -59,6 +62,8 @@ pub struct Step<A: Arithmetic> {
     pub settle: Settle<A>,
     /// What changed so far in this step.
     pub change: Change<A>,
+    /// The means of the two regions of Chan and Vese, as they were before this step.
+    pub means: Means,
 }
 
 /// A scheme's kernel as a part of a step.
@@ -75,7 +80,7 @@ impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<A,
     }
 
     #[inline(always)]
-    fn settle(&mut self, old: &[A::Cell], new: &mut [A::Cell]) {
+    fn settle(&mut self, old: &[A::Cell], _: &[A::Cell], new: &mut [A::Cell]) {
         self.step.settle.row(new);
         self.step.change.observe(old, new);
     }

@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::noise::Estimate;
 use crate::normalize::Range;
 use crate::outcome::StopReason;
+use crate::region::{Moments, Regions};
 use crate::rescale;
 use crate::scheme::Evolve;
 use crate::select::Select;
@@ -74,7 +75,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 state.steps = state.pass;
                 state.last_change = self.rule.norm(&state.change);
                 let at_rest = self.rule.at_rest(&state.change);
+                let moved = state.change.regions;
                 state.change = Change::none(&self.rule);
+                if state.regions.turn(&moved) {
+                    Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
+                }
                 if at_rest {
                     state.reason = StopReason::Rest;
                 } else if state.steps < self.config.max_steps() {
@@ -106,7 +111,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
                 state.fill = state.range.apply(state.fill, 0.0);
             }
-            (Stage::Evolve, _) => Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake(),
+            (Stage::Front, _) => state.regions = Regions::NONE,
+            (Stage::Evolve, _) => {
+                state.regions.turn(&Moments::default());
+                Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
+            }
             (Stage::Measure, _) => {
                 for (label, source) in (1..=state.numbered).zip(self.memory.sources.iter_mut()) {
                     *source = Source::empty(label);
@@ -145,6 +154,8 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::Rescale => self.config.rescale != Rescale::None,
             Stage::StartLevel => starts_near && !matches!(self.config.rescale, Rescale::R3 { .. }),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => starts_near,
+            // Regions are told apart by the image itself.
+            Stage::Edge => self.config.scheme != Scheme::ChanVese,
             Stage::Evolve => !marches,
             Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => marches,
             Stage::Filter => self.config.filter != Filter::None && self.config.filter_steps > 0,

@@ -3,7 +3,7 @@
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::catalog::Source;
-use crate::config::{Filter, Normalize, Rescale, Start, Tau};
+use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
 use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
@@ -76,6 +76,10 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     *cell = A::to_level(A::Real::of(self.front.saturate(value)));
                 }
             }
+        }
+        if self.config.scheme == Scheme::ChanVese {
+            let image = row_of(self.memory.image, self.width, y);
+            self.state.regions.add_row::<A>(row_of(self.memory.front, self.width, y), image);
         }
         Ok(())
     }
@@ -184,7 +188,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         let rows = self.state.row..end;
         let mut band = Band { plane: front, aux: speed, ring: self.memory.ring, width: self.width, halo: Halo::NONE };
         let mut tiles = Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height));
-        let mut step = Step { settle: self.settle, change: self.state.change };
+        let mut step = Step { settle: self.settle, change: self.state.change, means: self.state.regions.means };
         self.scheme.advance(&mut band, &mut tiles, rows, &mut step);
         self.state.change = step.change;
         if end == self.height {

@@ -18,6 +18,8 @@ pub enum Preset {
     PaperF160,
     /// Test 2 of the paper at its best: Perona-Malik first, then r1, g2mod with c2 = 0.78.
     PaperReal,
+    /// Active contours without edges (Chan and Vese), in units of the frame's noise.
+    ChanVese,
 }
 
 impl Preset {
@@ -27,6 +29,7 @@ impl Preset {
             Preset::NoiseAware => Config::NOISE_AWARE,
             Preset::PaperF160 => Config::PAPER_F160,
             Preset::PaperReal => Config::PAPER_REAL,
+            Preset::ChanVese => Config::CHAN_VESE,
         }
     }
 }
@@ -150,6 +153,7 @@ pub enum SchemeOption {
     Sl,
     FdCurvature,
     SlCurvature,
+    ChanVese,
     FastMarching,
 }
 

@@ -8,7 +8,7 @@ use crate::read::{self, HduChoice, Image};
 use crate::vectors::{self, INPUT, MANIFEST, Trace};
 use crate::write::Products;
 use anyhow::{Context, Result, bail};
-use clap::{Args, Parser, ValueEnum};
+use clap::{Args, Parser};
 use serde_json::{Value, json};
 use skyfront_core::config::Config;
 use std::path::{Path, PathBuf};
@@ -101,8 +101,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// One configuration a scheme: the chosen one, or all of the paper's.
 fn configs(options: &Options) -> Vec<Config> {
-    // Fast marching is not in the paper nor in the reference, which answers it with the front of `fd`.
-    let papers = SchemeOption::value_variants().iter().copied().filter(|scheme| *scheme != SchemeOption::FastMarching);
+    use SchemeOption::{Fd, FdCurvature, Sl, SlCurvature};
+    let papers = [Fd, Sl, FdCurvature, SlCurvature].into_iter();
     let schemes = options.scheme.map_or(papers.collect(), |scheme| vec![scheme]);
     schemes.into_iter().map(|scheme| Options { scheme: Some(scheme), ..options.clone() }.config()).collect()
 }

@@ -9,7 +9,8 @@ use crate::read::Place;
 use clap::Args;
 use skyfront_core::arithmetic::{Arithmetic, Q11};
 use skyfront_core::config::{
-    Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau,
+    ChanVese, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start,
+    Stop, Tau,
 };
 use skyfront_core::detection::Detection;
 use std::path::PathBuf;
@@ -63,9 +64,10 @@ pub struct Options {
     #[arg(long, value_enum, help_heading = "Filter")]
     pub pm: Option<PmOption>,
     /// Gradient at which Perona-Malik stops diffusing, in image units (0 to 1) per dx. The
-    /// paper's 30 is nearly the heat filter; 2 keeps edges [default: 30].
+    /// paper's 30 is nearly the heat filter; 2 keeps edges [default: 30]. --mu is the same, but
+    /// with chan-vese.
     #[arg(long, help_heading = "Filter")]
-    pub mu: Option<f64>,
+    pub pm_mu: Option<f64>,
     /// Whether to rescale or to filter first.
     #[arg(long, value_enum, help_heading = "Filter")]
     pub order: Option<OrderOption>,
@@ -85,6 +87,16 @@ pub struct Options {
     /// Scheme that moves the front.
     #[arg(long, value_enum, help_heading = "Front")]
     pub scheme: Option<SchemeOption>,
+    /// With chan-vese the weight of the contour's length, in squared image units times the paper's
+    /// unit of length [default: 0.005]; else the same as --pm-mu.
+    #[arg(long, help_heading = "Front")]
+    pub mu: Option<f64>,
+    /// Weight of the variance inside, for chan-vese [default: 1].
+    #[arg(long, help_heading = "Front")]
+    pub lambda1: Option<f64>,
+    /// Weight of the variance outside, for chan-vese [default: 1].
+    #[arg(long, help_heading = "Front")]
+    pub lambda2: Option<f64>,
     /// Weight of the curvature [default: 1e-4].
     #[arg(long, help_heading = "Front")]
     pub nu: Option<f64>,
@@ -97,10 +109,11 @@ pub struct Options {
     /// Width of a pixel in the paper's unit [default: 0.1].
     #[arg(long, help_heading = "Front")]
     pub dx: Option<f64>,
-    /// Time step [default: dx/4 for fd, dx^2 for fd-curvature, dx for sl and sl-curvature].
+    /// Time step [default: dx/4 for fd, dx^2 for fd-curvature, dx for sl and sl-curvature,
+    /// 8 for chan-vese].
     #[arg(long, help_heading = "Front")]
     pub dt: Option<f64>,
-    /// The front is given up at this time [default: 50].
+    /// The front is given up at this time [default: 50; 1600 for chan-vese].
     #[arg(long, help_heading = "Front")]
     pub t_max: Option<f64>,
     /// Pixels with |u| up to here count as near the front [default: 0.1].
@@ -115,7 +128,8 @@ pub struct Options {
 
     /// Where the front starts: at the frame's border; near the objects, outside the pixels above
     /// tau (without r3: above Otsu's threshold); or from a map: outside its pixels that are not 0,
-    /// or, if some are negative, from its values as front.fits holds them [default: frame].
+    /// or, if some are negative, from its values as front.fits holds them [default: frame, and
+    /// threshold for chan-vese].
     #[arg(long, value_name = "frame|threshold|FILE[HDU]", value_parser = start, help_heading = "Front")]
     pub start: Option<StartOption>,
     /// Pixels between the outline of the threshold or the map and the front that starts there
@@ -168,10 +182,16 @@ impl Options {
             SchemeOption::Sl => Scheme::Sl,
             SchemeOption::FdCurvature => Scheme::FdCurvature,
             SchemeOption::SlCurvature => Scheme::SlCurvature,
+            SchemeOption::ChanVese => Scheme::ChanVese,
             SchemeOption::FastMarching => Scheme::FastMarching,
         });
+        // Chan and Vese start elsewhere and have another time.
+        let preset =
+            if scheme == Scheme::ChanVese && preset.scheme != scheme { preset.with_scheme(scheme) } else { preset };
+        let weights = preset.chan_vese;
+        let length = self.mu.filter(|_| scheme == Scheme::ChanVese);
         let dx = real(self.dx, preset.dx);
-        let filter = self.filter(&preset);
+        let filter = self.filter(&preset, scheme);
         let steps = match (self.filter, filter) {
             (None, _) => preset.filter_steps,
             (_, Filter::PeronaMalik { .. }) => Config::PAPER_REAL.filter_steps,
@@ -190,6 +210,11 @@ impl Options {
             edge: self.edge(&preset),
             scheme,
             nu: real(self.nu, preset.nu),
+            chan_vese: ChanVese {
+                mu: real(length, weights.mu),
+                lambda1: real(self.lambda1, weights.lambda1),
+                lambda2: real(self.lambda2, weights.lambda2),
+            },
             curvature_form: self.curvature_form.map_or(preset.curvature_form, |form| match form {
                 CurvatureFormOption::Consistent => CurvatureForm::Consistent,
                 CurvatureFormOption::Printed => CurvatureForm::Printed,
@@ -271,7 +296,8 @@ impl Options {
         }
     }
 
-    fn filter(&self, preset: &Config) -> Filter {
+    fn filter(&self, preset: &Config, scheme: Scheme) -> Filter {
+        let given = self.pm_mu.or(self.mu.filter(|_| scheme != Scheme::ChanVese));
         let (diffusivity, mu) = match preset.filter {
             Filter::PeronaMalik { diffusivity, mu } => (diffusivity, mu),
             _ => (Diffusivity::F2, 30.0),
@@ -283,9 +309,9 @@ impl Options {
         match self.filter {
             Some(FilterOption::None) => Filter::None,
             Some(FilterOption::Heat) => Filter::Heat,
-            Some(FilterOption::Pm) => Filter::PeronaMalik { diffusivity, mu: real(self.mu, mu) },
+            Some(FilterOption::Pm) => Filter::PeronaMalik { diffusivity, mu: real(given, mu) },
             None => match preset.filter {
-                Filter::PeronaMalik { .. } => Filter::PeronaMalik { diffusivity, mu: real(self.mu, mu) },
+                Filter::PeronaMalik { .. } => Filter::PeronaMalik { diffusivity, mu: real(given, mu) },
                 other => other,
             },
         }

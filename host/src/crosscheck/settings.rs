@@ -37,8 +37,15 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Scheme::Sl => r::Scheme::Sl,
             c::Scheme::FdCurvature => r::Scheme::FdCurvature,
             c::Scheme::SlCurvature => r::Scheme::SlCurvature,
+            c::Scheme::ChanVese => r::Scheme::ChanVese,
         },
         nu: decimal(config.nu),
+        mu: decimal(config.chan_vese.mu),
+        lambda: (decimal(config.chan_vese.lambda1), decimal(config.chan_vese.lambda2)),
+        start_margin: match config.start {
+            c::Start::Threshold { margin } => Some(decimal(margin)),
+            c::Start::Frame | c::Start::Given => None,
+        },
         curvature_form: match config.curvature_form {
             c::CurvatureForm::Consistent => r::CurvatureForm::Consistent,
             c::CurvatureForm::Printed => r::CurvatureForm::Printed,

@@ -1,6 +1,6 @@
 //! Step 5: the front from u0 until it stops (`critarr`).
 
-use super::{Parameters, Plane, Scheme, Stop, fd, fd_curvature, sl, sl_curvature};
+use super::{Parameters, Plane, Scheme, Stop, chan_vese, fd, fd_curvature, sl, sl_curvature};
 
 /// What ended an evolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,19 +40,41 @@ pub fn initial(width: usize, height: usize, dx: f64) -> Plane {
     })
 }
 
+/// Half the shorter side of the rectangle that u0 is positive in: the pixels in one unit of u0.
+pub(super) fn half_side(plane: &Plane) -> f64 {
+    plane.width().min(plane.height()) as f64 / 2.0 - 2.0
+}
+
 /// u0 saturated at `band` pixels from the front, counted along the shorter side of the frame.
 pub fn saturated(u0: &Plane, band: f64) -> Plane {
-    let half = u0.width().min(u0.height()) as f64 / 2.0 - 2.0;
+    let half = half_side(u0);
     u0.map(|v| v.clamp(-band / half, band / half))
 }
 
-/// One time step of the chosen scheme.
+/// u0 near the objects: the distance from `margin` pixels outside the nodes above `level` in steps of 1 and sqrt 2
+/// pixels, at least -1.5 pixels, in the unit of the paper's u0.
+pub(super) fn outside(image: &Plane, level: f64, margin: f64) -> Plane {
+    let half = half_side(image);
+    let mut distance = image.map(|v| if v > level { 0.0 } else { f64::INFINITY });
+    for _ in 0..(margin + 2.0) as usize {
+        distance = Plane::from_fn(image.width(), image.height(), |i, j| {
+            let near = distance.around(i, j);
+            let side = near.e.min(near.w).min(near.n).min(near.s) + 1.0;
+            let corner = near.ne.min(near.nw).min(near.se).min(near.sw) + 2f64.sqrt();
+            near.c.min(side).min(corner)
+        });
+    }
+    distance.map(|d| (margin - d).max(-1.5) / half)
+}
+
+/// One time step of the chosen scheme. Chan and Vese take the image in the place of g.
 pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
     match p.scheme {
         Scheme::Fd => fd::step(p, g, v),
         Scheme::FdCurvature => fd_curvature::step(p, g, v),
         Scheme::Sl => sl::step(p, g, v),
         Scheme::SlCurvature => sl_curvature::step(p, g, v),
+        Scheme::ChanVese => chan_vese::step(p, g, v),
     }
 }
 
@@ -83,7 +105,8 @@ pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
 fn near_front(p: &Parameters, old: &Plane, new: &Plane) -> (f64, bool) {
     let (mut sum, mut crossed) = (0.0, false);
     for (&a, &b) in old.values().iter().zip(new.values()) {
-        if a.abs() <= p.eps_front {
+        // Every pixel takes part in the regions of Chan and Vese.
+        if a.abs() <= p.eps_front || p.scheme == Scheme::ChanVese {
             sum += (b - a).abs();
             crossed |= (a > 0.0) != (b > 0.0);
         }

@@ -17,6 +17,7 @@
 //! 8. [`Stop::Rate`] is the rule per unit time; [`Stop::Paper`] is `critarr`.
 //! 9. Every explicit step is held to its CFL bound.
 
+mod chan_vese;
 mod edge;
 mod error;
 mod fd;
@@ -90,10 +91,15 @@ pub struct Stages {
 /// A parameter out of its bounds, a length that is not width times height, or an image without two different levels.
 pub fn run(parameters: &Parameters, pixels: &[f64], width: usize, height: usize) -> Result<Stages, ReferenceError> {
     let u0 = initial(width, height, parameters.dx);
-    match parameters.band {
+    match band_of(parameters) {
         Some(band) => run_from(parameters, pixels, saturated(&u0, band)),
         None => run_from(parameters, pixels, u0),
     }
+}
+
+/// The band of the front: one pixel on each side for the regions of Chan and Vese.
+fn band_of(p: &Parameters) -> Option<f64> {
+    if p.scheme == Scheme::ChanVese { Some(1.0) } else { p.band }
 }
 
 /// [`run`] with the caller's own representation function, whose size is that of the image.
@@ -129,7 +135,22 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
     };
     let slope = gradient(last, p.dx);
     let (m, big_m) = gradient_range(&slope);
-    let g = edge::detector(p.edge, &slope, m, big_m);
+    let g = match p.scheme {
+        Scheme::ChanVese => last.clone(),
+        _ => edge::detector(p.edge, &slope, m, big_m),
+    };
+    let u0 = match p.start_margin {
+        None => u0,
+        Some(margin) => {
+            let level = tau.unwrap_or_else(|| otsu(last.values().iter().copied()));
+            let near = front::outside(last, level, margin);
+            match band_of(p) {
+                Some(band) if p.scheme == Scheme::ChanVese => saturated(&near, band),
+                Some(band) => near.map(|v| v.min(band / front::half_side(&near))),
+                None => near,
+            }
+        }
+    };
     let Evolution { u, steps, t, ended, changes } = evolve(p, &g, &u0);
     let mask: Vec<bool> = u.values().iter().zip(&defined).map(|(&v, &seen)| seen && v > 0.0).collect();
     let (labels, sources) = label(&mask, width, p.connectivity, p.min_area);

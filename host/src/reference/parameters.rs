@@ -121,6 +121,8 @@ pub enum Scheme {
     FdCurvature,
     /// `SLgk`.
     SlCurvature,
+    /// Active contours without edges (T. F. Chan, L. A. Vese 2001, DOI 10.1109/83.902291).
+    ChanVese,
 }
 
 impl Scheme {
@@ -130,6 +132,7 @@ impl Scheme {
             Scheme::Fd => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
+            Scheme::ChanVese => 8.0,
         }
     }
 }
@@ -180,6 +183,13 @@ pub struct Parameters {
     pub scheme: Scheme,
     /// Weight of the curvature, for the two schemes that have it.
     pub nu: f64,
+    /// Weight of the length of the contour, for Chan and Vese.
+    pub mu: f64,
+    /// Their weights lambda1 of the inside and lambda2 of the outside.
+    pub lambda: (f64, f64),
+    /// The front starts so many pixels outside the level set of the filtered image at tau, or at Otsu's threshold where
+    /// the rescaling has none (ours); `None` is the paper's u0.
+    pub start_margin: Option<f64>,
     /// How their averages are written.
     pub curvature_form: CurvatureForm,
     /// C of the threshold C dx^s below which a gradient is degenerate (erratum 4).
@@ -221,6 +231,9 @@ impl Parameters {
             edge: Edge::G2Mod { c2: 0.8 },
             scheme,
             nu: 1e-4,
+            mu: 0.005,
+            lambda: (1.0, 1.0),
+            start_margin: None,
             curvature_form: CurvatureForm::Consistent,
             degenerate_c: 0.1,
             degenerate_s: 1.0,
@@ -261,6 +274,7 @@ impl Parameters {
         match self.scheme {
             Scheme::Fd | Scheme::FdCurvature => ask(at_most(self.dt, dx / 2.0), "dt", self.dt, "at most dx/2")?,
             Scheme::Sl | Scheme::SlCurvature => ask(at_most(self.dt, dx), "dt", self.dt, "at most dx")?,
+            Scheme::ChanVese => ask(self.dt > 0.0 && self.dt.is_finite(), "dt", self.dt, "positive")?,
         }
         if self.scheme == Scheme::FdCurvature {
             // The weight of a node's own old value in its new one is 1 - 2 dt/dx - 2 nu dt/dx^2 or more.

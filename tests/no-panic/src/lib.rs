@@ -93,7 +93,7 @@ macro_rules! arithmetic {
                 let height = evolution.front.len() / evolution.width.max(1);
                 let mut tiles = Tiles::new(flags, evolution.width, evolution.tile_rows);
                 let mut band = Band { plane: evolution.front, aux: evolution.speed, ring, width: evolution.width, halo: Halo::NONE };
-                let mut step = Step { settle: evolution.settle, change: Change::none(&evolution.rule) };
+                let mut step = Step { settle: evolution.settle, change: Change::none(&evolution.rule), means: evolution.regions.means };
                 tiles.wake();
                 evolution.scheme.advance(&mut band, &mut tiles, 0..height, &mut step);
                 tiles.turn(&[], &[]);

@@ -71,13 +71,14 @@ static PRESETS: [Preset; 3] = [
 
 /// Every motion there is: what stands here has golden digests, and is tried by the tests of snapshots, upsets,
 /// budgets, memory and slices.
-pub static MOTIONS: [Motion; 6] = [
+pub static MOTIONS: [Motion; 7] = [
     Motion { name: "fd", scheme: Scheme::Fd, start: Start::Frame },
     Motion { name: "fd-curvature", scheme: Scheme::FdCurvature, start: Start::Frame },
     Motion { name: "sl", scheme: Scheme::Sl, start: Start::Frame },
     Motion { name: "sl-curvature", scheme: Scheme::SlCurvature, start: Start::Frame },
     Motion { name: "fast-marching", scheme: Scheme::FastMarching, start: Start::Frame },
     Motion { name: "near", scheme: Scheme::Fd, start: Start::Threshold { margin: 3.0 } },
+    Motion { name: "chan-vese", scheme: Scheme::ChanVese, start: Start::Threshold { margin: 1.0 } },
 ];
 
 impl Motion {

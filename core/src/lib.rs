@@ -18,9 +18,14 @@
 // What could panic is proved absent by linking (tests/no-panic); these find it while it is written.
 #![cfg_attr(not(test), deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+// Marked modules count with numbers of the caller, of a snapshot or of memory that an upset has
+// changed: nothing there may overflow.
 pub mod arithmetic;
+#[deny(clippy::arithmetic_side_effects)]
 pub mod budget;
+#[deny(clippy::arithmetic_side_effects)]
 pub mod catalog;
+#[deny(clippy::arithmetic_side_effects)]
 mod codec;
 pub mod config;
 pub mod deblend;
@@ -35,14 +40,17 @@ pub mod frame;
 pub mod front;
 pub mod grid;
 #[cfg(feature = "hal")]
+#[deny(clippy::arithmetic_side_effects)]
 pub mod hal;
 pub mod kapur;
 pub mod label;
 pub mod machine;
 pub mod march;
 pub mod memory;
+#[deny(clippy::arithmetic_side_effects)]
 pub mod noise;
 pub mod normalize;
+#[deny(clippy::arithmetic_side_effects)]
 pub mod otsu;
 pub mod outcome;
 pub mod photon;
@@ -50,7 +58,9 @@ pub mod region;
 pub mod rescale;
 pub mod rosin;
 pub mod scheme;
+#[deny(clippy::arithmetic_side_effects)]
 pub mod segmenter;
+#[deny(clippy::arithmetic_side_effects)]
 pub mod select;
 pub mod settle;
 pub mod significance;
@@ -62,7 +72,9 @@ pub mod sort;
 pub mod spike;
 pub mod stage;
 pub mod start;
+#[deny(clippy::arithmetic_side_effects)]
 mod state;
+#[deny(clippy::arithmetic_side_effects)]
 pub mod stop;
 pub mod sum;
 pub mod sweep;

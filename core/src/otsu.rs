@@ -58,7 +58,7 @@ impl Histogram {
             let between = (distance / count_below as f32) * (distance / count_above as f32);
             if between > best {
                 best = between;
-                tau = (bin + 1) as f32 / BINS as f32;
+                tau = bin.saturating_add(1) as f32 / BINS as f32;
             }
         }
         tau

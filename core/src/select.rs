@@ -47,7 +47,7 @@ impl Select {
 
     /// Counts pixels of a pass; NaN and infinities do not count.
     pub fn observe(&self, counts: &mut Histogram, pixels: impl Iterator<Item = f32>) {
-        let shift = 24 - 8 * self.pass.min(3);
+        let shift = 24u32.saturating_sub(self.pass.saturating_mul(8));
         for pixel in pixels.filter(|pixel| pixel.is_finite()) {
             let key = key(pixel);
             // The bytes above the one that is counted; the shift of the first pass would be 32.

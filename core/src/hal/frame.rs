@@ -67,7 +67,7 @@ impl<D: SpiDevice> Frame for MemoryFrame<D> {
         }
         // Below 2^24, as checked when the frame was made.
         let mut address = self.start.saturating_add((y.saturating_mul(self.width).saturating_mul(size)) as u32);
-        for pixels in out.chunks_mut(CHUNK / size) {
+        for pixels in out.chunks_mut(self.format.pixels_of(CHUNK)) {
             let mut buffer = [0; CHUNK];
             let bytes = buffer.get_mut(..pixels.len().saturating_mul(size)).unwrap_or(&mut []);
             self.memory.read(address, bytes)?;

@@ -43,7 +43,7 @@ impl MapWriter {
     ) -> Result<bool, MemoryError<D::Error>> {
         let size = self.format.bytes();
         let left = labels.get(self.written..).unwrap_or(&[]);
-        let chunk = left.get(..CHUNK / size).unwrap_or(left);
+        let chunk = left.get(..self.format.pixels_of(CHUNK)).unwrap_or(left);
         let mut buffer = [0; CHUNK];
         for (bytes, cell) in buffer.chunks_mut(size).zip(chunk) {
             let value = self.value(cell.label())?;

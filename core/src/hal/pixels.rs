@@ -20,6 +20,14 @@ impl PixelFormat {
         }
     }
 
+    /// Pixels that fit into `bytes` bytes.
+    pub const fn pixels_of(self, bytes: usize) -> usize {
+        match self {
+            PixelFormat::U8 => bytes,
+            PixelFormat::U16Le | PixelFormat::U16Be => bytes >> 1,
+        }
+    }
+
     /// The greatest value.
     pub const fn greatest(self) -> u16 {
         match self {

@@ -95,13 +95,15 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             }
             // The rows above y are not touched: the row before lies at a lower index.
             Stage::StartUp => {
-                let (before, rest) = front.split_at_mut_checked(y * width).unwrap_or((&mut [], &mut []));
+                let (before, rest) = front.split_at_mut_checked(y.saturating_mul(width)).unwrap_or((&mut [], &mut []));
                 start::spread_row::<A>(row_of(before, width, y.wrapping_sub(1)), row_of_mut(rest, width, 0));
             }
             _ => {
-                let (rows, after) = front.split_at_mut_checked((last - y + 1) * width).unwrap_or((&mut [], &mut []));
+                let y_down = last.saturating_sub(y);
+                let end = y_down.saturating_add(1).saturating_mul(width);
+                let (rows, after) = front.split_at_mut_checked(end).unwrap_or((&mut [], &mut []));
                 let before = if y == 0 { &[] } else { row_of(after, width, 0) };
-                start::spread_row::<A>(before, row_of_mut(rows, width, last - y));
+                start::spread_row::<A>(before, row_of_mut(rows, width, y_down));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! From source to images.
 
-use crate::machines::MACHINES;
+use crate::machines::{MACHINES, Machine};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -49,18 +49,20 @@ pub fn compiler() -> Result<String> {
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }
 
-/// Builds every program of the firmware for every machine.
-pub fn all() -> Result<()> {
-    cargo(&["build", "--bins"], &[]).context("the firmware does not build")
+/// Builds programs of the firmware for machines.
+pub fn programs(names: &[&str], machines: &[Machine]) -> Result<()> {
+    let mut command = vec!["build"];
+    names.iter().for_each(|name| command.extend(["--bin", name]));
+    cargo(&command, machines, &[]).context("the firmware does not build")
 }
 
 /// Looks for lints in the firmware, which is no part of the workspace; any is an error.
 pub fn lint() -> Result<()> {
-    cargo(&["clippy", "--bins"], &["--", "-D", "warnings"]).context("the firmware has lints")
+    cargo(&["clippy", "--bins"], &MACHINES, &["--", "-D", "warnings"]).context("the firmware has lints")
 }
 
-/// Runs cargo in the firmware's folder, for every machine.
-fn cargo(command: &[&str], rest: &[&str]) -> Result<()> {
+/// Runs cargo in the firmware's folder, for machines.
+fn cargo(command: &[&str], machines: &[Machine], rest: &[&str]) -> Result<()> {
     let tools = toolchain()?;
     let mut cargo = Command::new(&tools.cargo);
     cargo.current_dir(folder());
@@ -76,7 +78,7 @@ fn cargo(command: &[&str], rest: &[&str]) -> Result<()> {
         .env("RUSTC_BOOTSTRAP", "1")
         .args(command)
         .args(["--release", "--locked", "-Zbuild-std=core", "--target-dir", "target"]);
-    for machine in &MACHINES {
+    for machine in machines {
         cargo.args(["--target", machine.target]);
     }
     let status = cargo.args(rest).status().with_context(|| format!("cannot start {}", tools.cargo))?;

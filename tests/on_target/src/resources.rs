@@ -23,6 +23,14 @@ pub const PROGRAMS: [(&str, &str); 5] = [
     ("size_q11_fd", "q11-fd"),
 ];
 
+/// The program that counts instructions.
+const COSTS: &str = "costs";
+
+/// All programs that [`measure`] runs.
+pub fn programs() -> Vec<&'static str> {
+    PROGRAMS.iter().map(|&(program, _)| program).chain([COSTS]).collect()
+}
+
 /// How long a program may take.
 const LIMIT: Duration = Duration::from_secs(600);
 
@@ -42,7 +50,7 @@ pub fn measure() -> Result<Table> {
         for (program, title) in PROGRAMS {
             sizes(machine, program, title, &mut table).with_context(|| format!("{program} on {}", machine.name))?;
         }
-        let report = emulator::run(machine, "costs", LIMIT)?;
+        let report = emulator::run(machine, COSTS, LIMIT)?;
         for (name, (instructions, _)) in &report.resources {
             let name = name.replace('/', " ").to_lowercase();
             let per_pixel = *instructions as f64 / cost::PIXELS as f64;

@@ -2,6 +2,7 @@
 
 use crate::machines::{MACHINES, Machine};
 use anyhow::{Context, Result, bail};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -21,6 +22,15 @@ pub fn image(target: &str, bin: &str) -> PathBuf {
 struct Toolchain {
     rustc: String,
     cargo: String,
+}
+
+impl Toolchain {
+    /// The path on which cargo looks for its parts, such as clippy: its own come first.
+    fn path(&self) -> Result<OsString> {
+        let own = Path::new(&self.cargo).parent().map(Path::to_owned);
+        let rest = std::env::var_os("PATH").unwrap_or_default();
+        Ok(std::env::join_paths(own.into_iter().chain(std::env::split_paths(&rest)))?)
+    }
 }
 
 fn toolchain() -> Result<Toolchain> {
@@ -74,6 +84,7 @@ fn cargo(command: &[&str], machines: &[Machine], rest: &[&str]) -> Result<()> {
     }
     cargo
         .env("RUSTC", &tools.rustc)
+        .env("PATH", tools.path()?)
         // The library's source is built with the compiler it belongs to: a right of that compiler's own build.
         .env("RUSTC_BOOTSTRAP", "1")
         .args(command)

@@ -64,6 +64,7 @@ impl<T> Once<T> {
     }
 
     /// The memory; asking twice ends the program, as a fault does.
+    #[expect(clippy::mut_from_ref, reason = "given out once, which is the purpose of the type")]
     pub fn take(&'static self) -> &'static mut T {
         if self.taken.replace(true) {
             fault(0);

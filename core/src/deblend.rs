@@ -101,7 +101,7 @@ pub fn reopen(
             area: group.len() as u32,
             sum,
             centre: (x as f32, y as f32),
-            ..Region::default()
+            ..Region::BLANK
         };
         count += 1;
         for &at in group {

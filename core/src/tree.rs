@@ -9,7 +9,7 @@ use crate::grid::Grid;
 use crate::sort;
 
 /// A region of the tree, in the end a source.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     /// Index of its brightest pixel.
     pub peak: u32,
@@ -26,6 +26,12 @@ pub struct Region {
     pub core: (u32, f32, f32, f32),
     /// The label it ends with.
     pub label: u32,
+}
+
+impl Region {
+    /// All bits 0: static memory full of it takes no room in a program's image.
+    pub const BLANK: Region =
+        Region { peak: 0, value: 0.0, area: 0, sum: 0.0, centre: (0.0, 0.0), core: (0, 0.0, 0.0, 0.0), label: 0 };
 }
 
 /// Parent of a pixel that is in no region.
@@ -128,7 +134,7 @@ pub fn grow(
                 left_out += 1;
                 continue;
             };
-            *region = Region { peak: pixel, value, area: 1, sum: f64::from(value), ..Region::default() };
+            *region = Region { peak: pixel, value, area: 1, sum: f64::from(value), ..Region::BLANK };
             if let (Some(parent), Some(id)) = (parents.get_mut(at), ids.get_mut(at)) {
                 (*parent, *id) = (pixel, count as u32);
             }

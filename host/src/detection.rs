@@ -50,7 +50,7 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
     let [mut signal, mut fine, mut smooth, mut masked, mut scratch] = [(); 5].map(|()| vec![0.0; count]);
     let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
     let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height)];
-    let mut table = vec![Region::default(); regions(width, height)];
+    let mut table = vec![Region::BLANK; regions(width, height)];
     let mut work = Workspace {
         signal: &mut signal,
         fine: &mut fine,

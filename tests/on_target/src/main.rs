@@ -25,7 +25,8 @@ use machines::{MACHINES, MEASURED, Machine};
 use report::Report;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
-use skyfront_workload::paper::{self, Room};
+use skyfront_workload::paper;
+use skyfront_workload::sources::Room;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -127,6 +128,10 @@ fn here() -> Result<Report> {
     add::<F32>(&mut report);
     add::<Q24>(&mut report);
     add::<Q11>(&mut report);
+    let mut room = Box::new(Room::ZERO);
+    room.all(|name, crc| {
+        report.digest(name.join("/"), crc);
+    });
     let failed: Vec<&String> = report.digests.keys().filter(|name| name.ends_with("/error")).collect();
     if !failed.is_empty() {
         bail!("these runs fail on this machine: {failed:?}");
@@ -137,7 +142,7 @@ fn here() -> Result<Report> {
 /// The paper's size on this machine.
 fn paper_size() -> BTreeMap<String, u32> {
     let mut digests = BTreeMap::new();
-    paper::run(&mut Box::new(Room::ZERO), |what, crc| {
+    paper::run(&mut Box::new(paper::Room::ZERO), |what, crc| {
         digests.insert(format!("paper/{what}"), crc);
     });
     digests

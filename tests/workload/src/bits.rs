@@ -106,7 +106,8 @@ pub fn catalog_digest(sources: &[Source]) -> u32 {
     }))
 }
 
-fn words(words: impl Iterator<Item = u32>) -> u32 {
+/// The digest of words, each as its little-endian bytes.
+pub(crate) fn words(words: impl Iterator<Item = u32>) -> u32 {
     let mut digest = Digest::default();
     words.for_each(|word| digest.bytes(&word.to_le_bytes()));
     digest.value()

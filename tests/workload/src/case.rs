@@ -41,6 +41,12 @@ struct Preset {
     config: Config,
 }
 
+impl Preset {
+    fn scene(&self, width: usize, height: usize) -> Scene {
+        Scene { sky: Sky::new(self.kind, self.seed, width, height), holes: self.holes }
+    }
+}
+
 /// Between them they take every branch of the configuration once.
 static PRESETS: [Preset; 3] = [
     Preset { name: "bright", kind: Kind::Bright, seed: 1, holes: false, config: Config::PAPER_F160 },
@@ -94,6 +100,11 @@ pub fn all() -> impl Iterator<Item = Case> {
     PRESETS.iter().flat_map(|preset| MOTIONS.iter().map(move |&motion| Case { preset, motion }))
 }
 
+/// Every scene, with its name, in another size.
+pub fn skies(width: usize, height: usize) -> impl Iterator<Item = (&'static str, Scene)> {
+    PRESETS.iter().map(move |preset| (preset.name, preset.scene(width, height)))
+}
+
 impl Case {
     /// The paper's best setting, for measurements.
     #[must_use]
@@ -117,8 +128,7 @@ impl Case {
     /// The scene.
     #[must_use]
     pub fn frame(&self) -> Scene {
-        let Preset { kind, seed, holes, .. } = *self.preset;
-        Scene { sky: Sky::new(kind, seed, WIDTH, HEIGHT), holes }
+        self.preset.scene(WIDTH, HEIGHT)
     }
 }
 

@@ -13,3 +13,4 @@ pub mod fram;
 pub mod paper;
 pub mod report;
 pub mod run;
+pub mod sources;

@@ -8,10 +8,12 @@ use skyfront_firmware::entry;
 use skyfront_firmware::machine::{Console, Once, Processor};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::report;
+use skyfront_workload::sources::Room;
 
 static FLOAT: Once<Planes<F32<Processor>>> = Once::new(Planes::ZERO);
 static WIDE: Once<Planes<Q24>> = Once::new(Planes::ZERO);
 static NARROW: Once<Planes<Q11>> = Once::new(Planes::ZERO);
+static SOURCES: Once<Room> = Once::new(Room::ZERO);
 
 entry!(run);
 
@@ -20,6 +22,7 @@ fn run(mut line: Console) {
     all(&mut line, FLOAT.take());
     all(&mut line, WIDE.take());
     all(&mut line, NARROW.take());
+    SOURCES.take().all(|name, crc| report::digest(&mut line, name, crc));
     report::done(&mut line);
 }
 

@@ -1,0 +1,69 @@
+//! The digests of the noise-aware segmentation, which must be the same on every processor.
+
+use crate::bits::words;
+use crate::case;
+use skyfront_core::detect::{Found, Known, Workspace, detect, regions};
+use skyfront_core::detection::Detection;
+use skyfront_core::digest;
+use skyfront_core::frame::Frame;
+use skyfront_core::sky::{Sky, mesh_cells};
+use skyfront_core::tree::Region;
+
+/// Columns of every sky: two cells of the mesh.
+const WIDTH: usize = 100;
+/// Rows of every sky.
+const HEIGHT: usize = 72;
+const PIXELS: usize = WIDTH * HEIGHT;
+
+/// All memory of a run, half a megabyte.
+#[derive(Debug)]
+pub struct Room {
+    pixels: [f32; PIXELS],
+    levels: [[f32; PIXELS]; 5],
+    words: [[u32; PIXELS]; 3],
+    mesh: [Sky; mesh_cells(WIDTH, HEIGHT)],
+    regions: [Region; regions(WIDTH, HEIGHT)],
+}
+
+impl Room {
+    /// Memory of zeros, which costs no flash.
+    pub const ZERO: Room = Room {
+        pixels: [0.0; PIXELS],
+        levels: [[0.0; PIXELS]; 5],
+        words: [[0; PIXELS]; 3],
+        mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT)],
+        regions: [Region::BLANK; regions(WIDTH, HEIGHT)],
+    };
+
+    /// Runs the default on every sky and gives `tell` each digest with its name.
+    pub fn all(&mut self, mut tell: impl FnMut(&[&str], u32)) {
+        for (sky, mut frame) in case::skies(WIDTH, HEIGHT) {
+            for (y, row) in self.pixels.chunks_exact_mut(WIDTH).enumerate() {
+                let Ok(()) = frame.row(y, row);
+            }
+            self.one(|what, crc| tell(&["f32", sky, "default", what], crc));
+        }
+    }
+
+    fn one(&mut self, mut tell: impl FnMut(&str, u32)) {
+        let [signal, fine, smooth, masked, scratch] = &mut self.levels;
+        let [parents, order, labels] = &mut self.words;
+        let (mesh, regions) = (&mut self.mesh, &mut self.regions);
+        let mut work = Workspace { signal, fine, smooth, masked, scratch, parents, order, labels, mesh, regions };
+        match detect(&self.pixels, WIDTH, &Known::default(), &Detection::DEFAULT, &mut work) {
+            Ok(found) => tell("found", found_digest(&found)),
+            Err(_) => tell("error", 0),
+        }
+        let [signal, _, smooth, ..] = &self.levels;
+        let [.., labels] = &self.words;
+        tell("mesh", words(self.mesh.iter().flat_map(|sky| [sky.level, sky.noise]).map(f32::to_bits)));
+        tell("signal", digest::of_cells(signal));
+        tell("smooth", digest::of_cells(smooth));
+        tell("labels", words(labels.iter().copied()));
+    }
+}
+
+fn found_digest(found: &Found) -> u32 {
+    let Found { sources, mask_pixels, unlabelled, significance, photon } = *found;
+    words([sources, mask_pixels, unlabelled, significance.to_bits(), photon.to_bits()].into_iter())
+}

@@ -1,6 +1,7 @@
 //! Whose light is it: pixels that a source's mirror image does not explain become sources, and
 //! at a border each pixel goes to the source that has the most light there.
 
+use crate::arithmetic::{Level, Real};
 use crate::detection::{Detection, grown};
 use crate::grid::Grid;
 use crate::tree::{Field, Region};
@@ -9,16 +10,16 @@ use crate::tree::{Field, Region};
 const OPEN: u32 = 1 << 31;
 
 /// Light of the pixel beyond what its source, mirrored, has there.
-fn excess(field: Field<'_>, centre: (f32, f32), at: usize) -> f32 {
-    field.at(at) - field.mirrored(centre, at).unwrap_or(0.0)
+fn excess<L: Level>(field: Field<'_, L>, centre: (L, L), at: usize) -> L {
+    field.at(at) - field.mirrored(centre, at).unwrap_or(L::ZERO)
 }
 
 fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
 }
 
-fn centre_of(regions: &[Region], label: u32) -> (f32, f32) {
-    regions.get((label as usize).wrapping_sub(1)).map_or((0.0, 0.0), |region| region.centre)
+fn centre_of<L: Level>(regions: &[Region<L>], label: u32) -> (L, L) {
+    regions.get((label as usize).wrapping_sub(1)).map_or((L::ZERO, L::ZERO), |region| region.centre)
 }
 
 /// A pixel belongs to another source where it has more than this many times its host's mirrored light.
@@ -30,24 +31,25 @@ const NEW: f32 = 2.5;
 /// group of them that is large enough a region. `noise` is that of a pixel without light, `photon`
 /// how it grows; `queue` is as long as the plane. Gives the new number of
 /// regions, and how many found no room in the table.
-pub fn reopen(
-    field: Field<'_>,
-    (noise, photon): (f32, f32),
+pub fn reopen<L: Level>(
+    field: Field<'_, L>,
+    (noise, photon): (L, f32),
     labels: &mut [u32],
     queue: &mut [u32],
-    regions: &mut [Region],
+    regions: &mut [Region<L>],
     mut count: usize,
     setting: &Detection,
 ) -> (usize, u32) {
     let mut left_out = 0;
+    let (new, least) = (L::Weight::of(NEW), L::of(setting.excess * noise.to_f32()));
     for at in 0..labels.len() {
         let label = label_at(labels, at);
         if label == 0 {
             continue;
         }
         if let Some(host) = field.mirrored(centre_of(regions, label), at)
-            && field.at(at) > NEW * host
-            && field.at(at) - host > setting.excess * noise * grown(photon, field.at(at))
+            && field.at(at) > host.scaled(new)
+            && field.at(at) - host > least * grown(photon, field.at(at))
             && let Some(cell) = labels.get_mut(at)
         {
             *cell |= OPEN;
@@ -86,23 +88,16 @@ pub fn reopen(
             left_out += 1;
             continue;
         };
-        let (mut best, mut sum) = ((f32::NEG_INFINITY, 0), 0.0);
+        let (mut value, mut peak, mut sum) = (excess(field, centre, first), first as u32, L::NOTHING);
         for &at in group {
             let light = excess(field, centre, at as usize);
-            sum += f64::from(light);
-            if light > best.0 {
-                best = (light, at);
+            sum = sum + light.times(1);
+            if light > value {
+                (value, peak) = (light, at);
             }
         }
-        let (x, y) = field.grid.place(best.1 as usize);
-        *region = Region {
-            peak: best.1,
-            value: best.0,
-            area: group.len() as u32,
-            sum,
-            centre: (x as f32, y as f32),
-            ..Region::BLANK
-        };
+        let (x, y) = field.grid.place(peak as usize);
+        *region = Region { peak, value, sum, centre: (L::whole(x), L::whole(y)), ..Region::BLANK };
         count += 1;
         for &at in group {
             if let Some(label) = labels.get_mut(at as usize) {
@@ -116,7 +111,8 @@ pub fn reopen(
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
 /// `OTHER` times the other's mirrored light.
-pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps: u32) {
+pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], sweeps: u32) {
+    let other_from = L::Weight::of(OTHER);
     for sweep in 0..sweeps {
         let mut changed = false;
         for index in 0..labels.len() {
@@ -131,10 +127,10 @@ pub fn compete(field: Field<'_>, labels: &mut [u32], regions: &[Region], sweeps:
                 if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
                     continue;
                 }
-                let light = |label: u32| regions.get(label as usize - 1).map_or(0.0, |region| region.sum);
+                let light = |label: u32| regions.get(label as usize - 1).map_or(L::NOTHING, |region| region.sum);
                 let (bright, faint) = if light(best) >= light(other) { (best, other) } else { (other, best) };
                 if let Some(host) = field.mirrored(centre_of(regions, bright), at) {
-                    best = if field.at(at) > OTHER * host { faint } else { bright };
+                    best = if field.at(at) > host.scaled(other_from) { faint } else { bright };
                 }
             }
             if best != own

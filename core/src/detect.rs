@@ -4,9 +4,13 @@
 //! All of it works on signal-to-noise, pixel values above the sky in units of a pixel's noise.
 //! A pixel belongs to a source where the smoothed image is above [`Detection::outline`]; smoothing
 //! is stronger where nothing significant is lost by it (Lepski's choice of scale).
-//! The run is one call, deterministic, single precision, with at most a fixed number of passes
-//! over the planes and one sort of the pixels in use.
+//! The run is one call, deterministic, with at most a fixed number of passes over the planes and
+//! one sort of the pixels in use. The sky is measured in the image's own single precision; from
+//! signal-to-noise on, all there is for every pixel is in the [`Level`] of the caller's choice, and
+//! single precision has no more to do than what there is once a frame or region: the cut, the
+//! photon noise, the centres of wide regions.
 
+use crate::arithmetic::{Fixed14, Level, Real};
 use crate::deblend::{compete, reopen, straighten};
 use crate::detection::Detection;
 use crate::error::Error;
@@ -15,23 +19,23 @@ use crate::photon;
 use crate::significance::height;
 use crate::sky::{Mesh, Sky, mesh_cells};
 use crate::smooth::{Weights, noise};
-use crate::sort::{self, Keys, key, median};
+use crate::sort::{self, Keys, median};
 use crate::spike::cleaned;
 use crate::tree::{Field, NONE, Region, grow, root};
 
 /// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
 #[derive(Debug)]
-pub struct Workspace<'m> {
+pub struct Workspace<'m, L: Level> {
     /// W x H: signal-to-noise, in the end.
-    pub signal: &'m mut [f32],
+    pub signal: &'m mut [L],
     /// W x H: lightly smoothed, then the matched image.
-    pub fine: &'m mut [f32],
+    pub fine: &'m mut [L],
     /// W x H: smoothed by need.
-    pub smooth: &'m mut [f32],
+    pub smooth: &'m mut [L],
     /// W x H: 1 near sources, 0 on sky.
-    pub masked: &'m mut [f32],
+    pub masked: &'m mut [L],
     /// W x H: scratch.
-    pub scratch: &'m mut [f32],
+    pub scratch: &'m mut [L],
     /// W x H: the tree; scratch.
     pub parents: &'m mut [u32],
     /// W x H: pixels by brightness; queue.
@@ -41,7 +45,7 @@ pub struct Workspace<'m> {
     /// [`mesh_cells`] of the frame: background and noise, in the end (see [`Mesh::over`]).
     pub mesh: &'m mut [Sky],
     /// As many as there may be peaks: [`regions`].
-    pub regions: &'m mut [Region],
+    pub regions: &'m mut [Region<L>],
 }
 
 /// Regions that a frame can need.
@@ -49,10 +53,14 @@ pub const fn regions(width: usize, height: usize) -> usize {
     width * height / 3 + 1
 }
 
+const _: () = assert!(size_of::<Region<f32>>() == size_of::<Region<Fixed14>>());
+
 /// Bytes of a [`Workspace`]: eight planes (signal, fine, smooth, masked, scratch, parents, order,
 /// labels), the mesh and the regions.
 pub const fn bytes(width: usize, height: usize) -> usize {
-    8 * 4 * width * height + mesh_cells(width, height) * size_of::<Sky>() + regions(width, height) * size_of::<Region>()
+    8 * 4 * width * height
+        + mesh_cells(width, height) * size_of::<Sky>()
+        + regions(width, height) * size_of::<Region<f32>>()
 }
 
 /// What is known of the sky beforehand; what is not is measured on the image.
@@ -114,13 +122,14 @@ const CUTS: u32 = 4;
 ///
 /// # Errors
 /// [`Error::Parameter`] of the setting, [`Error::Size`], [`Error::Length`] for memory or maps of
-/// another size, [`Error::NothingDefined`], or [`Error::Constant`] where there is no noise.
-pub fn detect(
+/// another size, [`Error::Arithmetic`] for a side longer than [`Level::LONGEST`],
+/// [`Error::NothingDefined`], or [`Error::Constant`] where there is no noise.
+pub fn detect<L: Level>(
     pixels: &[f32],
     width: usize,
     known: &Known<'_>,
     setting: &Detection,
-    work: &mut Workspace<'_>,
+    work: &mut Workspace<'_, L>,
 ) -> Result<Found, Error> {
     let count = pixels.len();
     setting.validate()?;
@@ -128,15 +137,15 @@ pub fn detect(
     let Some(&first) = pixels.iter().find(|pixel| pixel.is_finite()) else {
         return Err(Error::NothingDefined { pixels: count });
     };
-    work.masked.fill(0.0);
-    let mut fine_noise = 1.0;
+    work.masked.fill(L::ZERO);
+    let mut fine_noise = L::ONE;
     for round in 0..=ROUNDS {
         if !measure_signal(pixels, grid, known, work) {
             return Err(Error::Constant { value: first });
         }
         fine_noise = smooth(grid, work);
         if round < ROUNDS {
-            mask_sources(grid, setting.outline, MASKED_PEAK * fine_noise, work);
+            mask_sources(grid, L::of(setting.outline), fine_noise.scaled(L::Weight::of(MASKED_PEAK)), work);
         }
     }
     let field = Field { values: work.signal, grid };
@@ -147,12 +156,16 @@ pub fn detect(
     Ok(Found { sources, mask_pixels, unlabelled, significance, photon })
 }
 
-fn check(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_>) -> Result<Grid, Error> {
+fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_, L>) -> Result<Grid, Error> {
     let whole = |grid: &Grid| grid.height > 0 && grid.cells() == count && count <= 1 << 30;
     let Some(grid) = Grid::of(count, width).filter(whole) else {
         let height = count.checked_div(width).unwrap_or(0);
         return Err(Error::Size { width, height, least: 1, most_pixels: 1 << 30 });
     };
+    if width > L::LONGEST || grid.height > L::LONGEST {
+        let reason = "the places of its pixels have 16 bits: no side may be longer than 65536 pixels";
+        return Err(Error::Arithmetic { name: L::NAME, reason });
+    }
     let needed = mesh_cells(width, grid.height);
     if work.mesh.len() < needed {
         return Err(Error::Length { name: "the mesh", given: work.mesh.len(), needed });
@@ -168,10 +181,12 @@ fn check(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_>
 
 /// Signal-to-noise of every pixel, spikes replaced; undefined pixels have none. Says whether there
 /// is any noise.
-fn measure_signal(pixels: &[f32], grid: Grid, known: &Known<'_>, work: &mut Workspace<'_>) -> bool {
+fn measure_signal<L: Level>(pixels: &[f32], grid: Grid, known: &Known<'_>, work: &mut Workspace<'_, L>) -> bool {
     let (width, height) = (grid.width.get(), grid.height);
     let mut keys = Keys(work.parents, work.order);
-    let mesh = Mesh::measure(pixels, work.masked, (width, height), work.mesh, keys.again());
+    let masked = &*work.masked;
+    let sky = |at: usize| masked.get(at).is_none_or(|&mask| mask <= L::ZERO);
+    let mesh = Mesh::measure(pixels, sky, (width, height), work.mesh, keys.again());
     let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
     let mut factor = 1.0;
     if known.relative {
@@ -186,7 +201,7 @@ fn measure_signal(pixels: &[f32], grid: Grid, known: &Known<'_>, work: &mut Work
         let signal = (pixel - level) / noise;
         let usable = known.allows(at) && noise > 0.0 && signal.is_finite();
         noise_seen |= usable;
-        *out = if usable { signal } else { 0.0 };
+        *out = if usable { L::of(signal) } else { L::ZERO };
     }
     let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
     for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
@@ -206,18 +221,17 @@ fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f3
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-fn smooth(grid: Grid, work: &mut Workspace<'_>) -> f32 {
+fn smooth<L: Level>(grid: Grid, work: &mut Workspace<'_, L>) -> L {
     let [scale, ..] = SCALES;
     Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
     let fine = &*work.fine;
-    let value = |plane: &[f32], at: usize| plane.get(at).copied().unwrap_or(0.0);
+    let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
     let fine_noise = noise(|at| value(fine, at), work.masked, Keys(work.parents, work.order));
     Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let least = LEPSKI * noise(detail, work.masked, Keys(work.parents, work.order));
+    let least = noise(detail, work.masked, Keys(work.parents, work.order)).scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
-        let change = if fine > *smooth { fine - *smooth } else { *smooth - fine };
-        if change >= least {
+        if (fine - *smooth).magnitude() >= least {
             *smooth = fine;
         }
     }
@@ -226,51 +240,51 @@ fn smooth(grid: Grid, work: &mut Workspace<'_>) -> f32 {
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, and what is within about
 /// three pixels of them.
-fn mask_sources(grid: Grid, outline: f32, peak: f32, work: &mut Workspace<'_>) {
-    const SOURCE: f32 = 1.0;
-    const PERHAPS: f32 = 0.5;
+fn mask_sources<L: Level>(grid: Grid, outline: L, peak: L, work: &mut Workspace<'_, L>) {
+    let (source, perhaps) = (L::ONE, L::of(0.5));
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
         *fine = match (smooth > outline, *fine > peak) {
-            (true, true) => SOURCE,
-            (true, false) => PERHAPS,
-            _ => 0.0,
+            (true, true) => source,
+            (true, false) => perhaps,
+            _ => L::ZERO,
         };
     }
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
     let marks = &mut *work.fine;
     for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
-        let source = |at: usize| marks.get(at).is_some_and(|&mark| mark == SOURCE);
-        if marks.get(index).is_some_and(|&mark| mark == PERHAPS)
-            && grid.neighbours(index).any(source)
+        let marked = |at: usize| marks.get(at).is_some_and(|&mark| mark == source);
+        if marks.get(index).is_some_and(|&mark| mark == perhaps)
+            && grid.neighbours(index).any(marked)
             && let Some(mark) = marks.get_mut(index)
         {
-            *mark = SOURCE;
+            *mark = source;
         }
     }
-    for mark in marks.iter_mut().filter(|mark| **mark < SOURCE) {
-        *mark = 0.0;
+    for mark in marks.iter_mut().filter(|mark| **mark < source) {
+        *mark = L::ZERO;
     }
     let [_, growth, ..] = SCALES;
     Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
+    let near = L::of(0.08);
     for cell in work.masked.iter_mut() {
-        *cell = if *cell > 0.08 { 1.0 } else { 0.0 };
+        *cell = if *cell > near { L::ONE } else { L::ZERO };
     }
 }
 
 /// The tree, and the sources of its regions; gives the number of peaks without a region.
-fn separate(
+fn separate<L: Level>(
     (pixels, known): (&[f32], &Known<'_>),
     grid: Grid,
-    (noise, photon): (f32, f32),
+    (noise, photon): (L, f32),
     setting: &Detection,
-    work: &mut Workspace<'_>,
+    work: &mut Workspace<'_, L>,
 ) -> u32 {
     let [.., sharpness] = SCALES;
     Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
     let field = Field { values: work.fine, grid };
-    let mut used = 0;
+    let (outline, mut used) = (L::of(setting.outline), 0);
     for (at, (&smooth, pixel)) in (0u32..).zip(work.smooth.iter().zip(pixels)) {
-        let inside = smooth > setting.outline && pixel.is_finite() && known.allows(at as usize);
+        let inside = smooth > outline && pixel.is_finite() && known.allows(at as usize);
         if let (true, Some(place)) = (inside, work.order.get_mut(used)) {
             *place = at;
             used += 1;
@@ -278,7 +292,7 @@ fn separate(
     }
     let order = work.order.get_mut(..used).unwrap_or(&mut []);
     // Brightest first; of equal ones the first in the frame.
-    sort::by_key(order, work.parents, |at| !key(field.at(at as usize)));
+    sort::by_key(order, work.parents, |at| !field.at(at as usize).key());
     work.parents.fill(NONE);
     let (mut count, mut left_out) = grow(field, order, work.parents, work.labels, work.regions, (setting, photon));
     for region in work.regions.iter_mut().take(count) {
@@ -312,7 +326,8 @@ fn separate(
 
 /// Centres wide regions on their pixels above half the peak: in a flat source the brightest pixel
 /// is where the noise puts it. In a narrow one it is not, and neighbours would draw the centre away.
-fn centre_on_light(field: Field<'_>, labels: &[u32], regions: &mut [Region]) {
+fn centre_on_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>]) {
+    let half = L::Weight::of(0.5);
     let place = |at: usize| {
         let (x, y) = field.grid.place(at);
         (x as f32, y as f32)
@@ -323,8 +338,8 @@ fn centre_on_light(field: Field<'_>, labels: &[u32], regions: &mut [Region]) {
     }
     for (at, &label) in labels.iter().enumerate() {
         let Some(region) = regions.get_mut(region(label)) else { continue };
-        let value = field.at(at);
-        if value > 0.5 * region.value {
+        if field.at(at) > region.value.scaled(half) {
+            let value = field.at(at).to_f32();
             let ((x, y), (peak_x, peak_y)) = (place(at), place(region.peak as usize));
             let (count, sum, sum_x, sum_y) = region.core;
             region.core = (count + 1, sum + value, sum_x + value * (x - peak_x), sum_y + value * (y - peak_y));
@@ -334,27 +349,28 @@ fn centre_on_light(field: Field<'_>, labels: &[u32], regions: &mut [Region]) {
         let (count, sum, sum_x, sum_y) = region.core;
         if count > WIDE && sum > 0.0 {
             let (x, y) = place(region.peak as usize);
-            region.centre = (x + sum_x / sum, y + sum_y / sum);
+            region.centre = (L::of(x + sum_x / sum), L::of(y + sum_y / sum));
         }
     }
 }
 
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.
-fn cut(grid: Grid, setting: &Detection, work: &mut Workspace<'_>) -> (f32, f32) {
+fn cut<L: Level>(grid: Grid, setting: &Detection, work: &mut Workspace<'_, L>) -> (f32, L) {
     let [_, _, scale, _] = SCALES;
     Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
-    let matched = |at: usize| work.fine.get(at).copied().unwrap_or(0.0);
-    let matched_noise = noise(matched, work.masked, Keys(work.parents, work.order));
-    let slope = noise(|at| matched(at + 1) - matched(at), work.masked, Keys(work.parents, work.order));
+    let matched = |at: usize| work.fine.get(at).copied().unwrap_or(L::ZERO);
+    let matched_noise = noise(matched, work.masked, Keys(work.parents, work.order)).to_f32();
+    let step = |at: usize| matched(at + 1) - matched(at);
+    let slope = noise(step, work.masked, Keys(work.parents, work.order)).to_f32();
     let roughness = if matched_noise > 0.0 { slope / matched_noise } else { 0.0 };
     let elements = work.signal.len() as f32 * roughness * roughness;
     sum_up(work);
     let floor = setting.peak * setting.outline;
-    let (mut allowed, mut result) = (setting.false_sources, (0.0, floor));
+    let (mut allowed, mut result) = (setting.false_sources, (0.0, L::of(floor)));
     for _ in 0..CUTS {
         let significance = height(elements, allowed);
         let least = significance * matched_noise;
-        let least = if least > floor { least } else { floor };
+        let least = L::of(if least > floor { least } else { floor });
         result = (significance, least);
         let kept = work.regions.iter().filter(|region| is_source(region, setting, least)).count();
         let share = setting.false_share * kept as f32;
@@ -364,14 +380,14 @@ fn cut(grid: Grid, setting: &Detection, work: &mut Workspace<'_>) -> (f32, f32) 
 }
 
 /// Area, light and matched peak of every region, from its pixels.
-fn sum_up(work: &mut Workspace<'_>) {
+fn sum_up<L: Level>(work: &mut Workspace<'_, L>) {
     for region in work.regions.iter_mut() {
-        (region.area, region.sum, region.value, region.label) = (0, 0.0, 0.0, 0);
+        (region.area, region.sum, region.value, region.label) = (0, L::NOTHING, L::ZERO, 0);
     }
     for ((&label, &matched), &signal) in work.labels.iter().zip(work.fine.iter()).zip(work.signal.iter()) {
         if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1)) {
             region.area += 1;
-            region.sum += f64::from(signal);
+            region.sum = region.sum + signal.times(1);
             if matched > region.value {
                 region.value = matched;
             }
@@ -379,12 +395,13 @@ fn sum_up(work: &mut Workspace<'_>) {
     }
 }
 
-fn is_source(region: &Region, setting: &Detection, least: f32) -> bool {
-    region.area >= setting.min_area && region.value >= least && region.sum >= f64::from(setting.light)
+fn is_source<L: Level>(region: &Region<L>, setting: &Detection, least: L) -> bool {
+    let light = L::share(L::ONE.times(1), setting.light);
+    region.area >= setting.min_area && region.value >= least && region.sum >= light
 }
 
 /// Drops what is no source and numbers the rest in raster order; sources and their pixels.
-fn keep(setting: &Detection, least: f32, work: &mut Workspace<'_>) -> (u32, u32) {
+fn keep<L: Level>(setting: &Detection, least: L, work: &mut Workspace<'_, L>) -> (u32, u32) {
     let (mut sources, mut mask_pixels) = (0, 0);
     for label in work.labels.iter_mut() {
         let Some(region) = work.regions.get_mut((*label as usize).wrapping_sub(1)) else { continue };

@@ -1,5 +1,6 @@
 //! What the noise-aware segmentation asks of a source: immutable, checked once.
 
+use crate::arithmetic::{Level, Real};
 use crate::error::Error;
 use crate::tree::{Field, Region};
 
@@ -38,9 +39,8 @@ const PHOTON_MARGIN: f32 = 1.5;
 
 /// How much larger the noise is at the brightness `value` for the photon noise `photon` (see
 /// [`crate::photon`]).
-pub fn grown(photon: f32, value: f32) -> f32 {
-    let value = if value > 0.0 { value } else { 0.0 };
-    libm::sqrtf(1.0 + PHOTON_MARGIN * photon * value)
+pub fn grown<L: Level>(photon: f32, value: L) -> L {
+    (L::ONE + value.positive().scaled(L::Weight::of(PHOTON_MARGIN * photon))).root()
 }
 
 impl Detection {
@@ -92,19 +92,26 @@ impl Detection {
     /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
     /// pixels and light above the saddle for the noise there, and around its peak more than twice
     /// the mirrored light of the brighter.
-    pub fn stands_apart(&self, field: Field<'_>, [bright, faint]: [&Region; 2], saddle: f32, photon: f32) -> bool {
-        let light = (faint.sum - f64::from(faint.area) * f64::from(saddle)) as f32;
+    pub fn stands_apart<L: Level>(
+        &self,
+        field: Field<'_, L>,
+        [bright, faint]: [&Region<L>; 2],
+        saddle: L,
+        photon: f32,
+    ) -> bool {
+        let light = faint.sum - saddle.times(faint.area);
         let noise = grown(photon, saddle);
         let significant = faint.area >= 3
-            && light > self.branch * noise
-            && light > self.contrast * bright.sum as f32
+            && light > L::share(noise.times(1), self.branch)
+            && light > L::share(bright.sum, self.contrast)
             && faint.value - saddle > noise;
         if !significant {
             return false;
         }
         let centre = field.centre(bright.peak as usize);
         let peak = faint.peak as usize;
-        let own = |&at: &usize| field.at(at) > 2.0 * field.mirrored(centre, at).unwrap_or(0.0);
+        let twice = |at: usize| field.mirrored(centre, at).map_or(L::ZERO, |light| light + light);
+        let own = |&at: &usize| field.at(at) > twice(at);
         field.grid.neighbours(peak).chain([peak]).filter(own).count() >= 3
     }
 }

@@ -4,6 +4,7 @@
 //! doi:10.1006/cviu.1996.0060); its scatter on pixels of like brightness, against that on sky,
 //! is the image's own photon transfer curve.
 
+use crate::arithmetic::Level;
 use crate::sort::{Keys, median};
 use crate::tree::Field;
 
@@ -18,14 +19,15 @@ const ENOUGH: usize = 100;
 /// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
 /// where no level has enough pixels. `fine` is the signal lightly smoothed, `masked` above 0 near
 /// sources. Cost: five looks at each pixel.
-pub fn slope(signal: Field<'_>, fine: &[f32], masked: &[f32], mut keys: Keys<'_>) -> f32 {
+pub fn slope<L: Level>(signal: Field<'_, L>, fine: &[L], masked: &[L], mut keys: Keys<'_>) -> f32 {
     let mut scatter = |from: f32, to: f32, sky: bool| {
         let stride = if sky { keys.stride(fine.len()) } else { 1 };
         let pixels = fine.iter().zip(masked).enumerate().step_by(stride);
-        let wanted = |bright: f32, mask: f32| if sky { mask <= 0.0 } else { bright >= from && bright < to };
+        let (from, to) = (L::of(from), L::of(to));
+        let wanted = |bright: L, mask: L| if sky { mask <= L::ZERO } else { bright >= from && bright < to };
         let wanted = pixels.filter(|(_, (bright, mask))| wanted(**bright, **mask));
         let sorted = keys.sorted(wanted.filter_map(|(at, _)| second_difference(signal, at)));
-        (sorted.len() >= ENOUGH).then(|| median(sorted))
+        (sorted.len() >= ENOUGH).then(|| median::<L>(sorted).to_f32())
     };
     let Some(sky) = scatter(0.0, 0.0, true).filter(|&sky| sky > 0.0) else { return 0.0 };
     let mut least = None;
@@ -43,13 +45,13 @@ pub fn slope(signal: Field<'_>, fine: &[f32], masked: &[f32], mut keys: Keys<'_>
 }
 
 /// The size of the difference along x of the difference along y; `None` at the frame's border.
-fn second_difference(field: Field<'_>, at: usize) -> Option<f32> {
+fn second_difference<L: Level>(field: Field<'_, L>, at: usize) -> Option<L> {
     let (grid, (x, y)) = (field.grid, field.grid.place(at));
     if x == 0 || x + 1 == grid.width.get() || y == 0 || y + 1 == grid.height {
         return None;
     }
-    let row = |middle: usize| field.at(middle - 1) - 2.0 * field.at(middle) + field.at(middle + 1);
+    let bend = |before: L, own: L, after: L| before - (own + own) + after;
+    let row = |middle: usize| bend(field.at(middle - 1), field.at(middle), field.at(middle + 1));
     let width = grid.width.get();
-    let difference = row(at - width) - 2.0 * row(at) + row(at + width);
-    Some(if difference < 0.0 { -difference } else { difference })
+    Some(bend(row(at - width), row(at), row(at + width)).magnitude())
 }

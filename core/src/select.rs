@@ -4,9 +4,9 @@
 //! of the keys that agree with the bytes found so far; after four passes the key, and with it the
 //! value of the wanted rank, is known exactly. Cost: four passes over the pixels.
 
+use crate::arithmetic::Level;
 use crate::codec::Codec;
 use crate::otsu::Histogram;
-use crate::sort::{key, value_of};
 
 /// Number of passes that a selection takes.
 pub const PASSES: u32 = 4;
@@ -49,7 +49,7 @@ impl Select {
     pub fn observe(&self, counts: &mut Histogram, pixels: impl Iterator<Item = f32>) {
         let shift = 24u32.saturating_sub(self.pass.saturating_mul(8));
         for pixel in pixels.filter(|pixel| pixel.is_finite()) {
-            let key = key(pixel);
+            let key = pixel.key();
             // The bytes above the one that is counted; the shift of the first pass would be 32.
             let agrees = self.pass == 0 || (key >> shift) >> 8 == self.prefix;
             if agrees && let Some(count) = counts.0.get_mut((key >> shift & 0xFF) as usize) {
@@ -71,7 +71,7 @@ impl Select {
         self.prefix = self.prefix << 8 | byte;
         self.pass = self.pass.saturating_add(1);
         counts.clear();
-        (self.pass >= PASSES).then(|| value_of(self.prefix)).map(|value| if value.is_finite() { value } else { 0.0 })
+        (self.pass >= PASSES).then(|| f32::of_key(self.prefix)).map(|value| if value.is_finite() { value } else { 0.0 })
     }
 }
 

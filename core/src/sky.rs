@@ -1,8 +1,9 @@
 //! Sky background and noise: a mesh of cells, each with a clipped mode, a median over the
 //! neighbouring cells and bilinear values between their centres.
 
+use crate::arithmetic::Level;
 use crate::grid::Grid;
-use crate::sort::{self, Keys, median, ranked, value_of};
+use crate::sort::{self, Keys, median, ranked};
 use core::num::NonZero;
 
 /// Side of a mesh cell in pixels; a frame has a whole number of cells along each axis.
@@ -36,9 +37,9 @@ pub fn clipped(sorted: &[u32]) -> Sky {
     if sorted.len() < 8 {
         return Sky::UNKNOWN;
     }
-    let (mut kept, mut centre) = (sorted, median(sorted));
+    let (mut kept, mut centre) = (sorted, median::<f32>(sorted));
     // Half of the values lie within 0.6745 standard deviations; the lower half has no sources.
-    let mut noise = (centre - ranked(kept, kept.len() / 4)) * 1.4826;
+    let mut noise = (centre - ranked::<f32>(kept, kept.len() / 4)) * 1.4826;
     let mut mean = centre;
     for _ in 0..10 {
         let inside = within(kept, centre, 3.0 * noise);
@@ -47,7 +48,7 @@ pub fn clipped(sorted: &[u32]) -> Sky {
         }
         let over = inside.len() == kept.len();
         (kept, centre) = (inside, median(inside));
-        let values = || inside.iter().map(|&key| f64::from(value_of(key)));
+        let values = || inside.iter().map(|&key| f64::from(f32::of_key(key)));
         let count = inside.len() as f64;
         let average = values().sum::<f64>() / count;
         let squares: f64 = values().map(|value| (value - average) * (value - average)).sum();
@@ -64,7 +65,7 @@ pub fn clipped(sorted: &[u32]) -> Sky {
 /// The sorted keys whose values are at most `distance` from `centre`.
 fn within(sorted: &[u32], centre: f32, distance: f32) -> &[u32] {
     let near = |&key: &u32| {
-        let value = value_of(key);
+        let value = f32::of_key(key);
         (if value > centre { value - centre } else { centre - value }) <= distance
     };
     let first = sorted.iter().position(near).unwrap_or(sorted.len());
@@ -108,12 +109,11 @@ impl<'m> Mesh<'m> {
         Mesh { cells, grid: Grid { width: columns, height: rows }, scale }
     }
 
-    /// Measures the sky of `pixels` (row-major, not finite = undefined) where `masked` is not
-    /// above 0. `keys` needs room for [`cell_pixels`], `cells` [`mesh_cells`]. Cost: about twenty
+    /// Measures the sky of `pixels` (row-major, not finite = undefined) where `sky` allows. `keys` needs room for [`cell_pixels`], `cells` [`mesh_cells`]. Cost: about twenty
     /// looks at each pixel.
     pub fn measure(
         pixels: &[f32],
-        masked: &[f32],
+        sky: impl Fn(usize) -> bool,
         (width, height): (usize, usize),
         cells: &'m mut [Sky],
         mut keys: Keys<'_>,
@@ -121,12 +121,11 @@ impl<'m> Mesh<'m> {
         let (columns, rows) = (cells_along(width), cells_along(height));
         let (cells, copy) = cells.split_at_mut_checked(columns.get() * rows.get()).unwrap_or((&mut [], &mut []));
         let mut mesh = Mesh::over(cells, (width, height));
-        let sky = |at: &usize| masked.get(*at).is_none_or(|&mask| mask <= 0.0);
         for (index, cell) in mesh.cells.iter_mut().enumerate() {
             let (column, row) = mesh.grid.place(index);
             let (left, right) = (column * width / columns, (column + 1) * width / columns);
             let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
-            let places = (bottom..top).flat_map(|y| y * width + left..y * width + right).filter(sky);
+            let places = (bottom..top).flat_map(|y| y * width + left..y * width + right).filter(|&at| sky(at));
             let values = places.filter_map(|at| pixels.get(at).copied()).filter(|value| value.is_finite());
             let sorted = keys.sorted(values);
             let enough = sorted.len() * 10 > (right - left) * (top - bottom);
@@ -208,7 +207,7 @@ fn middle(of: impl Iterator<Item = f32>) -> f32 {
         count += 1;
     }
     let values = values.get_mut(..count).unwrap_or(&mut []);
-    sort::few(values, |a, b| sort::key(a) < sort::key(b));
+    sort::few(values, |a, b| a.key() < b.key());
     let at = |index: usize| values.get(index).copied().unwrap_or(0.0);
     if count % 2 == 1 { at(count / 2) } else { 0.5 * (at((count / 2).saturating_sub(1)) + at(count / 2)) }
 }

@@ -1,6 +1,7 @@
 //! Smoothing of a whole plane by a separable kernel, mirrored at the borders, and the noise
 //! that is left in it.
 
+use crate::arithmetic::{Level, Real};
 use crate::grid::Grid;
 use crate::sort::{Keys, median, ranked};
 
@@ -38,16 +39,17 @@ impl Weights {
 
     /// Smooths `from` into `to`, both W x H; `between` holds the plane smoothed along its rows.
     /// Each sum begins with the centre and goes outwards. Cost: `4 radius` additions a pixel.
-    pub fn apply(&self, from: &[f32], between: &mut [f32], to: &mut [f32], grid: Grid) {
+    pub fn apply<L: Level>(&self, from: &[L], between: &mut [L], to: &mut [L], grid: Grid) {
         self.along_rows(from, between, grid);
-        to.fill(0.0);
+        to.fill(L::ZERO);
         self.add_along_columns(between, to, grid, 1.0);
     }
 
     /// Adds to a plane `strength` times what smoothing takes from it: an unsharp mask.
-    pub fn sharpen(&self, plane: &mut [f32], between: &mut [f32], grid: Grid, strength: f32) {
+    pub fn sharpen<L: Level>(&self, plane: &mut [L], between: &mut [L], grid: Grid, strength: f32) {
         self.along_rows(plane, between, grid);
-        plane.iter_mut().for_each(|value| *value *= 1.0 + strength);
+        let gain = L::Weight::of(1.0 + strength);
+        plane.iter_mut().for_each(|value| *value = value.scaled(gain));
         self.add_along_columns(between, plane, grid, -strength);
     }
 
@@ -56,42 +58,45 @@ impl Weights {
         self.weights.into_iter().enumerate().take(self.radius + 1).skip(1)
     }
 
-    fn along_rows(&self, from: &[f32], to: &mut [f32], grid: Grid) {
+    fn along_rows<L: Level>(&self, from: &[L], to: &mut [L], grid: Grid) {
         let ([centre, ..], width) = (self.weights, grid.width.get());
+        let centre = L::Weight::of(centre);
         for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
-            out.iter_mut().zip(row).for_each(|(out, value)| *out = centre * value);
+            out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
             for (distance, weight) in self.sides() {
+                let weight = L::Weight::of(weight);
                 let inner = width.saturating_sub(2 * distance);
                 if let (Some(left), Some(right)) = (row.get(..inner), row.get(width - inner..)) {
                     add(out.get_mut(distance..distance + inner).unwrap_or(&mut []), left, right, weight);
                 }
                 let left_end = if inner > 0 { distance } else { width };
                 for x in (0..left_end).chain((left_end + inner).min(width)..width) {
-                    let [below, above] = mirrored(x, distance, width).map(|at| row.get(at).copied().unwrap_or(0.0));
+                    let [below, above] = mirrored(x, distance, width).map(|at| row.get(at).copied().unwrap_or(L::ZERO));
                     if let Some(out) = out.get_mut(x) {
-                        *out += weight * (below + above);
+                        *out = *out + (below + above).scaled(weight);
                     }
                 }
             }
         }
     }
 
-    fn add_along_columns(&self, from: &[f32], to: &mut [f32], grid: Grid, gain: f32) {
+    fn add_along_columns<L: Level>(&self, from: &[L], to: &mut [L], grid: Grid, gain: f32) {
         let ([centre, ..], width) = (self.weights, grid.width.get());
+        let centre = L::Weight::of(gain * centre);
         let row = |y: usize| from.get(y * width..(y + 1) * width).unwrap_or(&[]);
         for (y, out) in to.chunks_exact_mut(width).enumerate() {
-            out.iter_mut().zip(row(y)).for_each(|(out, value)| *out += gain * centre * value);
+            out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
             for (distance, weight) in self.sides() {
                 let [below, above] = mirrored(y, distance, grid.height);
-                add(out, row(below), row(above), gain * weight);
+                add(out, row(below), row(above), L::Weight::of(gain * weight));
             }
         }
     }
 }
 
-fn add(out: &mut [f32], left: &[f32], right: &[f32], weight: f32) {
+fn add<L: Level>(out: &mut [L], left: &[L], right: &[L], weight: L::Weight) {
     for ((out, left), right) in out.iter_mut().zip(left).zip(right) {
-        *out += weight * (left + right);
+        *out = *out + (*left + *right).scaled(weight);
     }
 }
 
@@ -105,13 +110,13 @@ fn mirrored(at: usize, distance: usize, length: usize) -> [usize; 2] {
 /// Standard deviation of the noise of `value(at)` for the pixels that `masked` has as not above 0,
 /// from the lower half of the values: sources are positive. Of large planes a sample
 /// gives it.
-pub fn noise(value: impl Fn(usize) -> f32, masked: &[f32], mut keys: Keys<'_>) -> f32 {
+pub fn noise<L: Level>(value: impl Fn(usize) -> L, masked: &[L], mut keys: Keys<'_>) -> L {
     let places = masked.iter().enumerate().step_by(keys.stride(masked.len()));
-    let sorted = keys.sorted(places.filter(|(_, mask)| **mask <= 0.0).map(|(at, _)| value(at)));
+    let sorted = keys.sorted(places.filter(|(_, mask)| **mask <= L::ZERO).map(|(at, _)| value(at)));
     if sorted.len() < 16 {
-        return 1.0;
+        return L::ONE;
     }
     // The middle of the lower half's distances from the median.
     let half = sorted.len() / 2;
-    1.4826 * (median(sorted) - ranked(sorted, half - 1 - half / 2))
+    (median::<L>(sorted) - ranked(sorted, half - 1 - half / 2)).scaled(L::Weight::of(1.4826))
 }

@@ -1,19 +1,10 @@
 //! Sorting in bounded time, without a panic: what the standard library's sorts cannot promise.
 //!
 //! Many items are sorted by the bytes of a key, from the lowest (H. H. Seward 1954; Knuth, The Art of Computer
-//! Programming, 5.2.5): items of one key keep their order. A key of 32 bits sorts as the finite value does.
+//! Programming, 5.2.5): items of one key keep their order. A [`Level`] has a key of
+//! 32 bits; of single precision -0 and +0 are neighbours.
 
-/// A key that sorts as the finite value does; -0 and +0 are neighbours.
-pub fn key(value: f32) -> u32 {
-    let bits = value.to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
-}
-
-/// The value that has the key.
-pub fn value_of(key: u32) -> f32 {
-    let bits = if key >> 31 == 1 { key & !(1 << 31) } else { !key };
-    f32::from_bits(bits)
-}
+use crate::arithmetic::Level;
 
 /// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements.
 /// Cost: eight looks at each item and its key.
@@ -86,10 +77,10 @@ impl Keys<'_> {
     }
 
     /// The keys of the values, the least first: as many as there is room for.
-    pub fn sorted(&mut self, values: impl Iterator<Item = f32>) -> &[u32] {
+    pub fn sorted<L: Level>(&mut self, values: impl Iterator<Item = L>) -> &[u32] {
         let mut count = 0;
         for (out, value) in self.0.iter_mut().zip(values) {
-            *out = key(value);
+            *out = value.key();
             count += 1;
         }
         let keys = self.0.get_mut(..count).unwrap_or(&mut []);
@@ -99,12 +90,12 @@ impl Keys<'_> {
 }
 
 /// The value of a rank among sorted keys; 0 beyond them.
-pub fn ranked(sorted: &[u32], rank: usize) -> f32 {
-    sorted.get(rank).map_or(0.0, |&key| value_of(key))
+pub fn ranked<L: Level>(sorted: &[u32], rank: usize) -> L {
+    sorted.get(rank).map_or(L::ZERO, |&key| L::of_key(key))
 }
 
 /// The median of sorted keys, the upper one of an even number; 0 for none.
-pub fn median(sorted: &[u32]) -> f32 {
+pub fn median<L: Level>(sorted: &[u32]) -> L {
     ranked(sorted, sorted.len() / 2)
 }
 
@@ -121,9 +112,9 @@ mod tests {
         values[5] = -0.0;
         let (mut keys, mut spare) = ([0; 1000], [0; 1000]);
         let mut room = Keys(&mut keys, &mut spare);
-        let sorted = room.sorted(values.into_iter()).iter().map(|&key| value_of(key).to_bits());
+        let sorted = room.sorted(values.into_iter()).iter().map(|&key| f32::of_key(key).to_bits());
         let mut order = core::array::from_fn::<u32, 1000, _>(|i| i as u32);
-        by_key(&mut order, &mut [0; 1000], |at| !key(values[at as usize]));
+        by_key(&mut order, &mut [0; 1000], |at| !values[at as usize].key());
         let mut brightest = core::array::from_fn::<u32, 1000, _>(|i| i as u32);
         brightest.sort_by(|&a, &b| values[b as usize].total_cmp(&values[a as usize]));
         assert_eq!(order, brightest, "items of one key keep their order");
@@ -139,7 +130,7 @@ mod tests {
         let (mut keys, mut spare) = ([0; 3], [0; 4]);
         let mut room = Keys(&mut keys, &mut spare);
         assert_eq!(room.room(), 3);
-        assert_eq!(median(room.sorted([5.0, 9.0, -1.0, 2.0].into_iter())), 5.0);
-        assert_eq!(median(room.sorted([].into_iter())), 0.0);
+        assert_eq!(median::<f32>(room.sorted([5.0f32, 9.0, -1.0, 2.0].into_iter())), 5.0);
+        assert_eq!(median::<f32>(room.sorted::<f32>([].into_iter())), 0.0);
     }
 }

@@ -4,23 +4,24 @@
 //! After Bijaoui and others; the test of significance follows the idea of MTObjects (Teeninga et
 //! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
 
+use crate::arithmetic::{Level, Real};
 use crate::detection::Detection;
 use crate::grid::Grid;
 use crate::sort;
 
 /// A region of the tree, in the end a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Region {
+pub struct Region<L: Level> {
     /// Index of its brightest pixel.
     pub peak: u32,
     /// Value there.
-    pub value: f32,
+    pub value: L,
     /// Number of pixels.
     pub area: u32,
     /// Sum of its values.
-    pub sum: f64,
+    pub sum: L::Sum,
     /// Its centre, (x, y), to a fraction of a pixel.
-    pub centre: (f32, f32),
+    pub centre: (L, L),
     /// Of its pixels above half its peak: how many, the sum of the values, and of the values times
     /// the distances from the peak along x and y.
     pub core: (u32, f32, f32, f32),
@@ -28,10 +29,22 @@ pub struct Region {
     pub label: u32,
 }
 
-impl Region {
+impl<L: Level> Region<L> {
     /// All bits 0: static memory full of it takes no room in a program's image.
-    pub const BLANK: Region =
-        Region { peak: 0, value: 0.0, area: 0, sum: 0.0, centre: (0.0, 0.0), core: (0, 0.0, 0.0, 0.0), label: 0 };
+    pub const BLANK: Region<L> = Region {
+        peak: 0,
+        value: L::ZERO,
+        area: 0,
+        sum: L::NOTHING,
+        centre: (L::ZERO, L::ZERO),
+        core: (0, 0.0, 0.0, 0.0),
+        label: 0,
+    };
+
+    /// A region of one pixel.
+    fn of(peak: u32, value: L) -> Region<L> {
+        Region { peak, value, area: 1, sum: value.times(1), ..Region::BLANK }
+    }
 }
 
 /// Parent of a pixel that is in no region.
@@ -39,48 +52,54 @@ pub const NONE: u32 = u32::MAX;
 
 /// A plane that is read at any place.
 #[derive(Clone, Copy, Debug)]
-pub struct Field<'a> {
+pub struct Field<'a, L> {
     /// Values, row-major.
-    pub values: &'a [f32],
+    pub values: &'a [L],
     /// Its shape.
     pub grid: Grid,
 }
 
-impl Field<'_> {
+impl<L: Level> Field<'_, L> {
     /// The value at an index; 0 beyond the plane.
-    pub fn at(&self, index: usize) -> f32 {
-        self.values.get(index).copied().unwrap_or(0.0)
+    #[inline]
+    pub fn at(&self, index: usize) -> L {
+        self.values.get(index).copied().unwrap_or(L::ZERO)
     }
 
     /// The vertex of the parabolas through a peak and its neighbours.
-    pub fn centre(&self, peak: usize) -> (f32, f32) {
+    pub fn centre(&self, peak: usize) -> (L, L) {
         let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(peak));
-        let vertex = |before: f32, after: f32| {
-            let bend = before - 2.0 * self.at(peak) + after;
-            if bend < -1e-6 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 }
+        let half = L::Weight::of(0.5);
+        let most = L::ONE.scaled(half);
+        let vertex = |before: usize, after: usize| {
+            let (before, own, after) = (self.at(before), self.at(peak), self.at(after));
+            let bend = own + own - before - after;
+            if bend > L::of(1e-6) {
+                (after - before).scaled(half).ratio(bend).least(most).greatest(-most)
+            } else {
+                L::ZERO
+            }
         };
         let inner = |at: usize, length: usize| at > 0 && at + 1 < length;
-        let dx = if inner(x, width.get()) { vertex(self.at(peak - 1), self.at(peak + 1)) } else { 0.0 };
+        let dx = if inner(x, width.get()) { vertex(peak.wrapping_sub(1), peak + 1) } else { L::ZERO };
         let (below, above) = (peak.wrapping_sub(width.get()), peak + width.get());
-        let dy = if inner(y, height) { vertex(self.at(below), self.at(above)) } else { 0.0 };
-        (x as f32 + dx, y as f32 + dy)
+        let dy = if inner(y, height) { vertex(below, above) } else { L::ZERO };
+        (L::whole(x) + dx, L::whole(y) + dy)
     }
 
     /// The value across a centre, bilinear, not below 0: what a symmetric source has at `index`.
     /// `None` where that is beyond the frame.
-    pub fn mirrored(&self, centre: (f32, f32), index: usize) -> Option<f32> {
+    pub fn mirrored(&self, centre: (L, L), index: usize) -> Option<L> {
         let (width, (x, y)) = (self.grid.width.get(), self.grid.place(index));
-        let (x, y) = (2.0 * centre.0 - x as f32, 2.0 * centre.1 - y as f32);
+        let (x, y) = (centre.0 + centre.0 - L::whole(x), centre.1 + centre.1 - L::whole(y));
         let (last_x, last_y) = (width.checked_sub(2)?, self.grid.height.checked_sub(2)?);
-        if x < 0.0 || y < 0.0 || x > (last_x + 1) as f32 || y > (last_y + 1) as f32 {
+        if x < L::ZERO || y < L::ZERO || x > L::whole(last_x + 1) || y > L::whole(last_y + 1) {
             return None;
         }
-        let (left, below) = ((x as usize).min(last_x), (y as usize).min(last_y));
-        let (part_x, part_y) = (x - left as f32, y - below as f32);
+        let ((left, part_x), (below, part_y)) = (x.split(last_x), y.split(last_y));
         let first = below * width + left;
-        let row = |first: usize| self.at(first) * (1.0 - part_x) + self.at(first + 1) * part_x;
-        let value = row(first) * (1.0 - part_y) + row(first + width) * part_y;
-        Some(if value > 0.0 { value } else { 0.0 })
+        let row = |first: usize| self.at(first) * (L::ONE - part_x) + self.at(first + 1) * part_x;
+        Some((row(first) * (L::ONE - part_y) + row(first + width) * part_y).positive())
     }
 }
 
@@ -100,26 +119,26 @@ pub fn root(parents: &mut [u32], mut at: u32) -> u32 {
 /// Grows the regions of `order`, the pixels in use from the brightest down. `parents` holds
 /// [`NONE`] everywhere; `ids` gets the region of each root; `photon` is the photon noise. Gives the
 /// number of regions, and of peaks for which none was free: they stay out.
-pub fn grow(
-    field: Field<'_>,
+pub fn grow<L: Level>(
+    field: Field<'_, L>,
     order: &[u32],
     parents: &mut [u32],
     ids: &mut [u32],
-    regions: &mut [Region],
+    regions: &mut [Region<L>],
     (setting, photon): (&Detection, f32),
 ) -> (usize, u32) {
     let (mut count, mut left_out) = (0, 0);
     for &pixel in order {
         let at = pixel as usize;
         let value = field.at(at);
-        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, (f32::NEG_INFINITY, NONE));
+        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
         for near in field.grid.neighbours(at) {
             if parents.get(near).is_none_or(|&parent| parent == NONE) {
                 continue;
             }
             let root = root(parents, near as u32);
-            if field.at(near) > nearest.0 {
-                nearest = (field.at(near), root);
+            if nearest.is_none_or(|(value, _)| field.at(near) > value) {
+                nearest = Some((field.at(near), root));
             }
             if !roots.contains(&root)
                 && let Some(free) = roots.get_mut(found)
@@ -129,21 +148,21 @@ pub fn grow(
             }
         }
         let id = |ids: &[u32], root: u32| ids.get(root as usize).map_or(usize::MAX, |&id| id as usize);
-        if found == 0 {
+        let Some((_, mut nearest)) = nearest else {
             let Some(region) = regions.get_mut(count) else {
                 left_out += 1;
                 continue;
             };
-            *region = Region { peak: pixel, value, area: 1, sum: f64::from(value), ..Region::BLANK };
+            *region = Region::of(pixel, value);
             if let (Some(parent), Some(id)) = (parents.get_mut(at), ids.get_mut(at)) {
                 (*parent, *id) = (pixel, count as u32);
             }
             count += 1;
             continue;
-        }
-        let brightness = |root: u32| regions.get(id(ids, root)).map_or(0.0, |region| region.value);
+        };
+        let brightness = |root: u32| regions.get(id(ids, root)).map_or(L::ZERO, |region| region.value);
         let roots = roots.get_mut(..found).unwrap_or(&mut []);
-        let key = |root: u32| (!sort::key(brightness(root)), root);
+        let key = |root: u32| (!brightness(root).key(), root);
         sort::few(roots, |a, b| key(a) < key(b));
         let Some((&host, others)) = roots.split_first() else { continue };
         for &other in others {
@@ -157,21 +176,21 @@ pub fn grow(
             }
             if let Some(region) = regions.get_mut(host_id) {
                 region.area += faint.area;
-                region.sum += faint.sum;
+                region.sum = region.sum + faint.sum;
             }
             if let Some(region) = regions.get_mut(other_id) {
                 region.area = 0;
             }
-            if nearest.1 == other {
-                nearest.1 = host;
+            if nearest == other {
+                nearest = host;
             }
         }
         if let Some(parent) = parents.get_mut(at) {
-            *parent = nearest.1;
+            *parent = nearest;
         }
-        if let Some(region) = regions.get_mut(id(ids, nearest.1)) {
+        if let Some(region) = regions.get_mut(id(ids, nearest)) {
             region.area += 1;
-            region.sum += f64::from(value);
+            region.sum = region.sum + value.times(1);
         }
     }
     (count, left_out)

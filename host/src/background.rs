@@ -24,8 +24,9 @@ impl SkyMaps {
         let [mut level, mut noise] = planes;
         let size = (width, pixels.len() / width.max(1));
         let mut cells = vec![Sky::UNKNOWN; mesh_cells(size.0, size.1)];
+        let sky = |at: usize| masked.get(at).is_none_or(|&mask| mask <= 0.0);
         let [mut keys, mut spare] = [(); 2].map(|()| vec![0; cell_pixels(size.0, size.1)]);
-        let mesh = Mesh::measure(pixels, masked, size, &mut cells, Keys(&mut keys, &mut spare));
+        let mesh = Mesh::measure(pixels, sky, size, &mut cells, Keys(&mut keys, &mut spare));
         for (at, (level, noise)) in level.iter_mut().zip(&mut noise).enumerate() {
             let sky = mesh.at(at % width, at / width);
             (*level, *noise) = (sky.level, sky.noise);

@@ -3,6 +3,7 @@
 use crate::background::SkyMaps;
 use crate::nothing::without_front;
 use crate::pipeline::{Drive, Segmentation, StagePlanes};
+use skyfront_core::arithmetic::Level;
 use skyfront_core::catalog::Source;
 use skyfront_core::detect::{Known, Workspace, detect, regions};
 use skyfront_core::detection::Detection;
@@ -20,7 +21,7 @@ pub fn memory(width: usize, height: usize) -> [(usize, &'static str); 4] {
     [
         (2 * plane, "the image, and the level that is kept of it"),
         (8 * plane, "eight planes to work in"),
-        (regions(width, height) * size_of::<Region>(), "table of regions"),
+        (regions(width, height) * size_of::<Region<f32>>(), "table of regions"),
         (2 * mesh_cells(width, height) * size_of::<Sky>(), "mesh of the sky"),
     ]
 }
@@ -38,19 +39,24 @@ pub mod shown {
     }
 }
 
-/// Segments an image, row-major, NaN = undefined; the `front` of the result is the smoothed
+/// Segments an image, row-major, NaN = undefined, in `L`; the `front` of the result is the smoothed
 /// signal-to-noise above the outline.
 ///
 /// # Errors
 /// What the core finds wrong with the image.
-pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Drive<'_>) -> Result<Segmentation, Error> {
+pub fn segment<L: Level>(
+    detection: &Detection,
+    pixels: &[f32],
+    width: usize,
+    drive: &Drive<'_>,
+) -> Result<Segmentation, Error> {
     let started = Instant::now();
     let count = pixels.len();
     let height = count / width.max(1);
-    let [mut signal, mut fine, mut smooth, mut masked, mut scratch] = [(); 5].map(|()| vec![0.0; count]);
+    let [mut signal, mut fine, mut smooth, mut masked, mut scratch] = [(); 5].map(|()| vec![L::ZERO; count]);
     let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
     let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height)];
-    let mut table = vec![Region::BLANK; regions(width, height)];
+    let mut table = vec![Region::<L>::BLANK; regions(width, height)];
     let mut work = Workspace {
         signal: &mut signal,
         fine: &mut fine,
@@ -66,7 +72,8 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
     // A noise map may be a weight map: it says how noisy pixels are beside each other.
     let known = Known { background: drive.background, noise: drive.noise, relative: true };
     let found = detect(pixels, width, &known, detection, &mut work)?;
-    let sky = SkyMaps::measure_into(pixels, &masked, width, [fine, scratch]);
+    let [smooth, masked] = [smooth, masked].map(in_f32);
+    let sky = SkyMaps::measure_into(pixels, &masked, width, [fine, scratch].map(in_f32));
     let mut extremes = Extremes::NONE;
     pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
@@ -76,7 +83,7 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         }
     }
     let stages = drive.keep_stages.then(|| StagePlanes {
-        normalised: signal.iter().map(shown::unit).collect(),
+        normalised: signal.iter().map(|value| shown::unit(&value.to_f32())).collect(),
         rescaled: Vec::new(),
         filtered: smooth.iter().map(shown::unit).collect(),
         edge: masked,
@@ -89,7 +96,7 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         ..without_front(extremes)
     };
     Ok(Segmentation {
-        arithmetic: "f32",
+        arithmetic: L::NAME,
         width,
         height,
         labels,
@@ -102,4 +109,9 @@ pub fn segment(detection: &Detection, pixels: &[f32], width: usize, drive: &Driv
         seconds: vec![(Stage::Measure, started.elapsed())],
         remark: None,
     })
+}
+
+/// A plane in single precision, in its own memory.
+fn in_f32<L: Level>(plane: Vec<L>) -> Vec<f32> {
+    plane.into_iter().map(L::to_f32).collect()
 }

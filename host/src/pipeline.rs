@@ -111,7 +111,7 @@ pub fn segment(
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
     if let Some(detection) = &config.detection {
-        return crate::detection::segment(detection, pixels, width, drive);
+        return crate::detection::segment::<f32>(detection, pixels, width, drive);
     }
     segment_in::<F32<Native>>(config, pixels, width, height, drive)
 }

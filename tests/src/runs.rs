@@ -1,5 +1,6 @@
 //! Small runs for tests: skies, and configurations of every kind.
 
+use skyfront::pipeline::Segmentation;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::config::{Config, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau};
 use skyfront_core::error::Error;
@@ -15,6 +16,12 @@ pub fn sky(kind: Kind, seed: u32, width: usize, height: usize) -> Vec<f32> {
         let Ok(()) = sky.row(y, row);
     }
     pixels
+}
+
+/// By how many sources, and by how many pixels of the mask, two runs over one image are apart.
+pub fn apart([one, other]: &[Segmentation; 2]) -> [usize; 2] {
+    let differing = one.labels.iter().zip(&other.labels).filter(|(one, other)| (**one > 0) != (**other > 0));
+    [one.sources.len().abs_diff(other.sources.len()), differing.count()]
 }
 
 /// Every motion of the front that arithmetic `A` serves, with image steps that between them use every stage and kind

@@ -104,6 +104,28 @@ fn every_preset_and_scheme_runs() {
 }
 
 #[test]
+fn the_default_runs_in_32_bits_of_fixed_point_and_is_refused_in_16() {
+    let (folder, sky) = with_sky("fixed");
+    let run = |arithmetic: &str| {
+        skyfront(["segment", &sky, "--no-pictures", "--arithmetic", arithmetic, "--out", &folder.file(arithmetic)])
+    };
+    for arithmetic in ["f32", "q24"] {
+        let output = run(arithmetic);
+        assert!(output.status.success(), "{}", messages(&output));
+        let summary = summary(&folder, arithmetic);
+        assert_eq!(
+            (summary["arithmetic"].as_str(), &summary["iterations"]),
+            (Some(arithmetic), &serde_json::Value::Null)
+        );
+    }
+    let sources = |run: &str| summary(&folder, run)["n_sources"].clone();
+    assert_eq!(sources("f32"), sources("q24"));
+    let refused = run("q11");
+    assert_eq!(refused.status.code(), Some(2), "{}", messages(&refused));
+    assert!(messages(&refused).contains("32 bits"), "{}", messages(&refused));
+}
+
+#[test]
 fn bad_input_is_one_line_and_leaves_nothing() {
     let (folder, sky) = with_sky("bad");
     let out = folder.file("out");

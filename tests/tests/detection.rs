@@ -2,14 +2,17 @@
 
 use skyfront::detection::segment;
 use skyfront::pipeline::{Drive, Segmentation};
+use skyfront_core::arithmetic::Fixed14;
 use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
+use skyfront_core::simulate::Kind;
 use skyfront_core::sky::{Mesh, Sky, cell_pixels, mesh_cells};
 use skyfront_core::sort::Keys;
 use skyfront_tests::noise::{add_star, correlated, gaussian};
+use skyfront_tests::runs::{apart, sky};
 
 fn run(setting: &Detection, pixels: &[f32], width: usize) -> Segmentation {
-    segment(setting, pixels, width, &Drive::default()).expect("the frame can be segmented")
+    segment::<f32>(setting, pixels, width, &Drive::default()).expect("the frame can be segmented")
 }
 
 fn sources(pixels: &[f32], width: usize) -> u32 {
@@ -53,7 +56,7 @@ fn sky_and_noise_of_pure_noise_are_unbiased() {
         let pixels: Vec<f32> = correlated(seed, side, k).iter().map(|noise| 1000.0 + 5.0 * noise).collect();
         let mut cells = vec![Sky::UNKNOWN; mesh_cells(side, side)];
         let [mut keys, mut spare] = [(); 2].map(|()| vec![0; cell_pixels(side, side)]);
-        let mesh = Mesh::measure(&pixels, &[], (side, side), &mut cells, Keys(&mut keys, &mut spare));
+        let mesh = Mesh::measure(&pixels, |_| true, (side, side), &mut cells, Keys(&mut keys, &mut spare));
         let (mut level, mut noise) = (0.0, 0.0);
         for at in 0..side * side {
             let sky = mesh.at(at % side, at / side);
@@ -130,6 +133,30 @@ fn undefined_pixels_are_in_no_source() {
     assert!((50..90).all(|x| found.labels[66 * side + x] == 0));
 }
 
+/// Fixed point rounds, which must change next to nothing, and saturates, which only very bright stars see.
+#[test]
+fn fixed_point_finds_what_single_precision_finds() {
+    let drive = Drive::default();
+    for (kind, seed, noise) in [(Kind::Bright, 1, 8e-4), (Kind::Noisy, 2, 0.01), (Kind::Stars, 3, 10.0)] {
+        let mut pixels = sky(kind, seed, 320, 240);
+        for (star, most) in [(0.0, [0, 20]), (2e5, [2, 80])] {
+            add_star(&mut pixels, 320, (250.0, 200.0), 1.5, star * noise);
+            let runs = [
+                segment::<f32>(&Detection::DEFAULT, &pixels, 320, &drive),
+                segment::<Fixed14>(&Detection::DEFAULT, &pixels, 320, &drive),
+            ]
+            .map(|run| run.expect("the frame can be segmented"));
+            let [sources, mask] = apart(&runs);
+            println!("{kind:?}: {} sources, q24 differs in {sources}, and in {mask} pixels", runs[0].sources.len());
+            assert!(runs[0].sources.len() > 5);
+            let within = sources <= most[0] && mask <= most[1];
+            assert!(within, "{kind:?}: {sources} sources and {mask} of 76800 pixels differ");
+        }
+    }
+    let long = segment::<Fixed14>(&Detection::DEFAULT, &vec![0.0; 65_537], 65_537, &drive).err();
+    assert!(matches!(long, Some(Error::Arithmetic { name: "q24", .. })), "{long:?}");
+}
+
 #[test]
 fn a_given_noise_map_says_which_pixels_are_noisier() {
     let side = 256;
@@ -140,11 +167,11 @@ fn a_given_noise_map_says_which_pixels_are_noisier() {
     let drive = Drive { background: Some(&sky), noise: Some(&map), ..Drive::default() };
     let mut with_stars = pixels.clone();
     add_star(&mut with_stars, side, (60.0, 128.0), 1.5, 12.0);
-    let found = segment(&Detection::DEFAULT, &with_stars, side, &drive).expect("the frame can be segmented");
+    let found = segment::<f32>(&Detection::DEFAULT, &with_stars, side, &drive).expect("the frame can be segmented");
     assert_eq!(found.outcome.sources, 1);
     assert!(found.labels[128 * side + 60] > 0);
     let short = Drive { noise: Some(&map[1..]), ..Drive::default() };
-    let refused = segment(&Detection::DEFAULT, &pixels, side, &short).err();
+    let refused = segment::<f32>(&Detection::DEFAULT, &pixels, side, &short).err();
     assert!(matches!(refused, Some(Error::Length { .. })), "{refused:?}");
 }
 
@@ -152,13 +179,13 @@ fn a_given_noise_map_says_which_pixels_are_noisier() {
 fn small_and_constant_frames_are_taken() {
     for (width, height) in [(1, 1), (1, 9), (2, 2), (3, 7), (7, 3), (7, 7), (8, 8), (5, 40)] {
         let pixels = gaussian(15, width * height);
-        match segment(&Detection::DEFAULT, &pixels, width, &Drive::default()) {
+        match segment::<f32>(&Detection::DEFAULT, &pixels, width, &Drive::default()) {
             Ok(found) => assert_eq!(found.labels.len(), width * height),
             Err(Error::Constant { .. }) => assert!(width * height < 8, "{width} x {height} has noise"),
             Err(other) => panic!("{width} x {height}: {other}"),
         }
     }
-    let flat = segment(&Detection::DEFAULT, &[7.0; 64 * 64], 64, &Drive::default()).err();
+    let flat = segment::<f32>(&Detection::DEFAULT, &[7.0; 64 * 64], 64, &Drive::default()).err();
     assert_eq!(flat, Some(Error::Constant { value: 7.0 }));
 }
 
@@ -172,7 +199,7 @@ fn settings_out_of_bounds_are_named() {
         ("sharpening", Detection { sharpening: 5.0, ..Detection::DEFAULT }),
     ];
     for (expected, setting) in wrong {
-        match segment(&setting, &[0.0; 64], 8, &Drive::default()) {
+        match segment::<f32>(&setting, &[0.0; 64], 8, &Drive::default()) {
             Err(Error::Parameter { name, .. }) => assert_eq!(name, expected),
             other => panic!("{expected} is accepted: {:?}", other.err()),
         }

@@ -13,7 +13,7 @@
 //! | `log2_1p` | x in [0, 1] | 0.51 |
 //! | `exp_neg` | x in [0, 128) | 0.51 |
 
-use super::fixed24::{Fixed24, ONE};
+use super::fixed32::{Fixed24, ONE};
 use super::{Exponent, Real, roots};
 
 /// Fraction bits of logarithms and of the numbers they are taken of.

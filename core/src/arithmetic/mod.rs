@@ -6,15 +6,17 @@
 
 mod elementary;
 mod exponent;
-mod fixed24;
+mod fixed32;
 mod float;
+mod level;
 mod q11;
 mod q24;
 mod roots;
 
 pub use exponent::Exponent;
-pub use fixed24::Fixed24;
+pub use fixed32::{Fixed, Fixed14, Fixed24};
 pub use float::F32;
+pub use level::Level;
 pub use q11::{Narrow, Q11};
 pub use q24::Q24;
 

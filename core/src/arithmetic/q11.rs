@@ -3,7 +3,7 @@
 //! The image and the edge detector are U1F15 (range [0, 2), step 2^-15); the front is I5F11 in
 //! pixels (range [-16, 16), step 2^-11), saturated by its band to at most 8 pixels.
 
-use super::fixed24::Fixed24;
+use super::fixed32::Fixed24;
 use super::{Arithmetic, Cell, Exponent, Real, elementary, roots, sealed::Sealed};
 use fixed::types::{I5F11, U1F15};
 

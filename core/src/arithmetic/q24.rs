@@ -1,38 +1,11 @@
 //! 32-bit fixed point: planes of I8F24, 8 bytes a pixel.
 
-use super::fixed24::Fixed24;
-use super::{Arithmetic, Cell, Exponent, Real, elementary, roots, sealed::Sealed};
+use super::fixed32::Fixed24;
+use super::{Arithmetic, Exponent, Real, elementary, roots, sealed::Sealed};
 
 /// Fixed point with 24 fraction bits in planes and kernels: range [-128, 128), step 2^-24.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Q24;
-
-impl Cell for Fixed24 {
-    /// As many as f32 can hold, so that both stop at the same images.
-    const MAX_LABEL: u32 = 1 << 24;
-    const BYTES: usize = 4;
-    const BLANK: Self = Fixed24(fixed::types::I8F24::ZERO);
-
-    #[inline]
-    fn from_label(label: u32) -> Self {
-        Fixed24::from_bits(label.min(Self::MAX_LABEL) as i32)
-    }
-
-    #[inline]
-    fn label(self) -> u32 {
-        self.to_bits() as u32
-    }
-
-    #[inline]
-    fn bits(self) -> u32 {
-        self.to_bits() as u32
-    }
-
-    #[inline]
-    fn from_bits(bits: u32) -> Self {
-        Fixed24::from_bits(bits as i32)
-    }
-}
 
 impl Sealed for Q24 {}
 

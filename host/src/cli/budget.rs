@@ -33,6 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let config = arguments.options.config();
     let size = (arguments.width, arguments.height);
     if config.detection.is_some() {
+        arguments.options.arithmetic.validate(&config)?;
         print!("{}", noise_aware(size)?);
         return Ok(());
     }
@@ -48,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// The budget of the noise-aware segmentation, which is one call, as text.
 fn noise_aware((width, height): (usize, usize)) -> Result<String> {
     let parts = detection::memory(width, height);
-    let mut text = format!("{width} x {height} pixels, noise-aware, in f32\n");
+    let mut text = format!("{width} x {height} pixels, noise-aware, in f32 or q24\n");
     for (bytes, what) in parts {
         writeln!(text, "{bytes:>14} bytes  {what}")?;
     }

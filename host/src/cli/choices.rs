@@ -1,10 +1,10 @@
 //! The words and numbers that options can be given: one type an option, and how its text is read.
 
-use crate::nothing;
 use crate::pipeline::{Drive, Segmentation, segment, segment_in};
 use crate::read::{Image, Place};
+use crate::{detection, nothing};
 use clap::ValueEnum;
-use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
+use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Q11, Q24};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 
@@ -50,9 +50,14 @@ impl ArithmeticOption {
     /// Checks a configuration for this arithmetic.
     ///
     /// # Errors
-    /// As [`Config::validate`].
+    /// As [`Config::validate`], and the noise-aware segmentation in 16 bits.
     pub fn validate(self, config: &Config) -> Result<(), Error> {
         match self {
+            ArithmeticOption::Q11 if config.detection.is_some() => Err(Error::Arithmetic {
+                name: Q11::NAME,
+                reason: "the noise-aware segmentation needs cells of 32 bits, for signal-to-noise from a fraction \
+                         of the noise to bright stars; the paper's presets run in 16",
+            }),
             ArithmeticOption::F32 => config.validate::<F32>(),
             ArithmeticOption::Q24 => config.validate::<Q24>(),
             ArithmeticOption::Q11 => config.validate::<Q11>(),
@@ -65,10 +70,14 @@ impl ArithmeticOption {
     /// As [`segment_in`].
     pub fn segment(self, config: &Config, image: &Image, drive: &mut Drive<'_>) -> Result<Segmentation, Error> {
         let (pixels, width, height) = (&image.pixels, image.width, image.height);
-        let (run, name) = match self {
-            ArithmeticOption::F32 => (segment(config, pixels, width, height, drive), <F32>::NAME),
-            ArithmeticOption::Q24 => (segment_in::<Q24>(config, pixels, width, height, drive), Q24::NAME),
-            ArithmeticOption::Q11 => (segment_in::<Q11>(config, pixels, width, height, drive), Q11::NAME),
+        self.validate(config)?;
+        let (run, name) = match (self, &config.detection) {
+            (ArithmeticOption::Q24, Some(detection)) => {
+                (detection::segment::<Fixed14>(detection, pixels, width, drive), Q24::NAME)
+            }
+            (ArithmeticOption::F32, _) => (segment(config, pixels, width, height, drive), <F32>::NAME),
+            (ArithmeticOption::Q24, None) => (segment_in::<Q24>(config, pixels, width, height, drive), Q24::NAME),
+            (ArithmeticOption::Q11, _) => (segment_in::<Q11>(config, pixels, width, height, drive), Q11::NAME),
         };
         run.or_else(|refused| nothing::found(refused, image, name, drive))
     }

@@ -154,7 +154,9 @@ impl Options {
     /// the paper's steps turns the noise-aware segmentation off.
     pub fn config(&self) -> Config {
         let config = self.steps();
-        let standard = Config { min_area: config.min_area, ..Config::NOISE_AWARE };
+        // A band that the arithmetic asks for is no wish for a front.
+        let band = config.band.filter(|_| self.band.is_none());
+        let standard = Config { min_area: config.min_area, band, ..Config::NOISE_AWARE };
         let detection = config.detection.filter(|_| config == standard);
         let min_area = match (detection, self.min_area) {
             (None, None) if self.preset == Preset::NoiseAware => Config::PAPER_F160.min_area,

@@ -1,19 +1,26 @@
 //! The noise-aware segmentation, and the parts of it that hosts call.
 
+use skyfront_core::arithmetic::Fixed14;
 use skyfront_core::detect::{self, Found, Known, Workspace};
 use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_core::sky::{self, Mesh, Sky};
 use skyfront_core::sort::Keys;
 
-#[unsafe(export_name = "detect")]
-fn segment(pixels: &[f32], width: usize, known: &Known<'_>, setting: &Detection, work: &mut Workspace<'_>) -> Result<Found, Error> {
+#[unsafe(export_name = "detect_f32")]
+fn in_f32(pixels: &[f32], width: usize, known: &Known<'_>, setting: &Detection, work: &mut Workspace<'_, f32>) -> Result<Found, Error> {
+    detect::detect(pixels, width, known, setting, work)
+}
+
+#[unsafe(export_name = "detect_q24")]
+fn in_q24(pixels: &[f32], width: usize, known: &Known<'_>, setting: &Detection, work: &mut Workspace<'_, Fixed14>) -> Result<Found, Error> {
     detect::detect(pixels, width, known, setting, work)
 }
 
 #[unsafe(export_name = "sky")]
 fn measure(pixels: &[f32], masked: &[f32], size: (usize, usize), cells: &mut [Sky], keys: Keys<'_>, at: (usize, usize)) -> Sky {
-    Mesh::measure(pixels, masked, size, cells, keys).at(at.0, at.1)
+    let sky = |at: usize| masked.get(at).is_none_or(|&mask| mask <= 0.0);
+    Mesh::measure(pixels, sky, size, cells, keys).at(at.0, at.1)
 }
 
 #[unsafe(export_name = "detection_room")]

@@ -23,7 +23,7 @@ mod tables;
 use anyhow::{Context, Result, bail};
 use machines::{MACHINES, MEASURED, Machine};
 use report::Report;
-use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
+use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper;
 use skyfront_workload::sources::Room;
@@ -128,10 +128,8 @@ fn here() -> Result<Report> {
     add::<F32>(&mut report);
     add::<Q24>(&mut report);
     add::<Q11>(&mut report);
-    let mut room = Box::new(Room::ZERO);
-    room.all(|name, crc| {
-        report.digest(name.join("/"), crc);
-    });
+    add_sources::<f32>(&mut report);
+    add_sources::<Fixed14>(&mut report);
     let failed: Vec<&String> = report.digests.keys().filter(|name| name.ends_with("/error")).collect();
     if !failed.is_empty() {
         bail!("these runs fail on this machine: {failed:?}");
@@ -151,6 +149,13 @@ fn paper_size() -> BTreeMap<String, u32> {
 fn add<A: Arithmetic>(report: &mut Report) {
     let mut planes = Box::new(Planes::<A>::ZERO);
     bits::all(&mut planes, |name, crc| {
+        report.digest(name.join("/"), crc);
+    });
+}
+
+fn add_sources<L: Level>(report: &mut Report) {
+    let mut room = Box::new(Room::<L>::BLANK);
+    room.all(|name, crc| {
         report.digest(name.join("/"), crc);
     });
 }

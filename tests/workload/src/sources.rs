@@ -2,6 +2,7 @@
 
 use crate::bits::words;
 use crate::case;
+use skyfront_core::arithmetic::Level;
 use skyfront_core::detect::{Found, Known, Workspace, detect, regions};
 use skyfront_core::detection::Detection;
 use skyfront_core::digest;
@@ -17,19 +18,19 @@ const PIXELS: usize = WIDTH * HEIGHT;
 
 /// All memory of a run, half a megabyte.
 #[derive(Debug)]
-pub struct Room {
+pub struct Room<L: Level> {
     pixels: [f32; PIXELS],
-    levels: [[f32; PIXELS]; 5],
+    levels: [[L; PIXELS]; 5],
     words: [[u32; PIXELS]; 3],
     mesh: [Sky; mesh_cells(WIDTH, HEIGHT)],
-    regions: [Region; regions(WIDTH, HEIGHT)],
+    regions: [Region<L>; regions(WIDTH, HEIGHT)],
 }
 
-impl Room {
+impl<L: Level> Room<L> {
     /// Memory of zeros, which costs no flash.
-    pub const ZERO: Room = Room {
+    pub const BLANK: Room<L> = Room {
         pixels: [0.0; PIXELS],
-        levels: [[0.0; PIXELS]; 5],
+        levels: [[L::BLANK; PIXELS]; 5],
         words: [[0; PIXELS]; 3],
         mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT)],
         regions: [Region::BLANK; regions(WIDTH, HEIGHT)],
@@ -41,7 +42,7 @@ impl Room {
             for (y, row) in self.pixels.chunks_exact_mut(WIDTH).enumerate() {
                 let Ok(()) = frame.row(y, row);
             }
-            self.one(|what, crc| tell(&["f32", sky, "default", what], crc));
+            self.one(|what, crc| tell(&[L::NAME, sky, "default", what], crc));
         }
     }
 

@@ -3,7 +3,7 @@
 #![no_std]
 #![no_main]
 
-use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
+use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Q11, Q24};
 use skyfront_firmware::entry;
 use skyfront_firmware::machine::{Console, Once, Processor};
 use skyfront_workload::bits::{self, Planes};
@@ -13,7 +13,8 @@ use skyfront_workload::sources::Room;
 static FLOAT: Once<Planes<F32<Processor>>> = Once::new(Planes::ZERO);
 static WIDE: Once<Planes<Q24>> = Once::new(Planes::ZERO);
 static NARROW: Once<Planes<Q11>> = Once::new(Planes::ZERO);
-static SOURCES: Once<Room> = Once::new(Room::ZERO);
+static SOURCES: Once<Room<f32>> = Once::new(Room::BLANK);
+static WIDE_SOURCES: Once<Room<Fixed14>> = Once::new(Room::BLANK);
 
 entry!(run);
 
@@ -23,6 +24,7 @@ fn run(mut line: Console) {
     all(&mut line, WIDE.take());
     all(&mut line, NARROW.take());
     SOURCES.take().all(|name, crc| report::digest(&mut line, name, crc));
+    WIDE_SOURCES.take().all(|name, crc| report::digest(&mut line, name, crc));
     report::done(&mut line);
 }
 

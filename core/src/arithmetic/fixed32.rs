@@ -1,39 +1,49 @@
-//! The number that both fixed-point arithmetics compute in.
+//! The 32-bit fixed-point numbers that are computed in.
 
-use super::Real;
+use super::{Cell, Real};
+use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
-use fixed::types::I8F24;
+use fixed::FixedI32;
+use fixed::types::extra::{LeEqU32, U14, U24};
 
-/// A fixed-point number in [-128, 128) with step 2^-24.
+/// A fixed-point number of 32 bits, `F` of them behind the point.
 ///
 /// Every operation saturates at the ends of the range and never wraps; products and quotients are
 /// rounded to nearest, halves away from zero, so that `-(a b)` is `(-a) b`, bit for bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Fixed24(pub I8F24);
+pub struct Fixed<F: Fraction>(FixedI32<F>);
 
-/// Fraction bits.
-pub(super) const FRACTION: u32 = I8F24::FRAC_NBITS;
+/// In [-128, 128) with step 2^-24: images, fronts, weights.
+pub type Fixed24 = Fixed<U24>;
 
-/// 1 as bits.
-pub(super) const ONE: u32 = 1 << FRACTION;
+/// In [-131072, 131072) with step 2^-14: signal-to-noise, places.
+pub type Fixed14 = Fixed<U14>;
 
-impl Fixed24 {
-    /// The number `bits / 2^24`.
+/// How many bits are behind the point.
+pub trait Fraction: LeEqU32 + Debug + PartialOrd + Send + Sync {}
+
+impl<F: LeEqU32 + Debug + PartialOrd + Send + Sync> Fraction for F {}
+
+/// 1 as bits of a [`Fixed24`].
+pub(super) const ONE: u32 = 1 << 24;
+
+impl<F: Fraction> Fixed<F> {
+    /// The number that has these bits.
     #[inline(always)]
     pub const fn from_bits(bits: i32) -> Self {
-        Fixed24(I8F24::from_bits(bits))
+        Fixed(FixedI32::from_bits(bits))
     }
 
-    /// The number times 2^24.
+    /// Its bits: the number times 2^F.
     #[inline(always)]
     pub const fn to_bits(self) -> i32 {
         self.0.to_bits()
     }
 
-    /// The number `bits / 2^24`, saturated.
+    /// The number that has these bits, saturated.
     #[inline(always)]
     pub(super) fn saturated(bits: u64) -> Self {
-        Fixed24::from_bits(bits.min(i32::MAX as u64) as i32)
+        Fixed::from_bits(bits.min(i32::MAX as u64) as i32)
     }
 
     /// The distance from 0 as bits, at most `i32::MAX`.
@@ -41,65 +51,71 @@ impl Fixed24 {
     pub(super) fn size(self) -> u32 {
         self.0.saturating_abs().to_bits() as u32
     }
+
+    /// The product with a number that has `G` bits behind the point.
+    #[inline(always)]
+    pub(super) fn by<G: Fraction>(self, other: Fixed<G>) -> Self {
+        let product = i64::from(self.to_bits()).wrapping_mul(i64::from(other.to_bits()));
+        // The product is at most 2^62: a half can be added. The sign makes halves go outwards.
+        let rounded = product.wrapping_add((1 << (G::U32 - 1)) + (product >> 63)) >> G::U32;
+        Fixed::from_bits(rounded.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
+    }
 }
 
-impl Add for Fixed24 {
+impl<F: Fraction> Add for Fixed<F> {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Fixed24(self.0.saturating_add(other.0))
+        Fixed(self.0.saturating_add(other.0))
     }
 }
 
-impl Sub for Fixed24 {
+impl<F: Fraction> Sub for Fixed<F> {
     type Output = Self;
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Fixed24(self.0.saturating_sub(other.0))
+        Fixed(self.0.saturating_sub(other.0))
     }
 }
 
-impl Neg for Fixed24 {
+impl<F: Fraction> Neg for Fixed<F> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Fixed24(self.0.saturating_neg())
+        Fixed(self.0.saturating_neg())
     }
 }
 
-impl Mul for Fixed24 {
+impl<F: Fraction> Mul for Fixed<F> {
     type Output = Self;
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let product = self.0.wide_mul(other.0).to_bits();
-        // The product is at most 2^62: a half can be added. The sign makes halves go outwards.
-        let rounded = product.wrapping_add((1 << (FRACTION - 1)) + (product >> 63)) >> FRACTION;
-        Fixed24::from_bits(rounded.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
+        self.by(other)
     }
 }
 
-impl Real for Fixed24 {
-    const ZERO: Self = Fixed24(I8F24::ZERO);
-    const ONE: Self = Fixed24(I8F24::ONE);
+impl<F: Fraction> Real for Fixed<F> {
+    const ZERO: Self = Fixed(FixedI32::ZERO);
+    const ONE: Self = Fixed::from_bits(1 << F::U32);
 
     /// Nearest, halves up; a NaN becomes 0.
     #[inline]
     fn of(x: f32) -> Self {
-        let scaled = x * ONE as f32;
+        let scaled = x * (1u32 << F::U32) as f32;
         // The conversion cuts towards zero and saturates; what it cut off is exact.
         let whole = scaled as i32;
         let rest = scaled - whole as f32;
         let step = i32::from(rest >= 0.5) - i32::from(rest < -0.5);
-        Fixed24::from_bits(whole.saturating_add(step))
+        Fixed::from_bits(whole.saturating_add(step))
     }
 
     #[inline]
     fn to_f32(self) -> f32 {
-        self.to_bits() as f32 / ONE as f32
+        self.to_bits() as f32 / (1u32 << F::U32) as f32
     }
 
     #[inline]
@@ -109,7 +125,7 @@ impl Real for Fixed24 {
 
     #[inline]
     fn from_bits(bits: u32) -> Self {
-        Fixed24::from_bits(bits as i32)
+        Fixed::from_bits(bits as i32)
     }
 
     /// Cost: one division of 64 by 32 bits.
@@ -119,15 +135,42 @@ impl Real for Fixed24 {
             return Self::ZERO;
         }
         let by = u64::from(divisor.size()).max(1);
-        let quotient = ((u64::from(self.size()) << FRACTION) + (by >> 1)) / by;
-        let size = Fixed24::saturated(quotient);
+        let quotient = ((u64::from(self.size()) << F::U32) + (by >> 1)) / by;
+        let size = Fixed::saturated(quotient);
         if self < Self::ZERO { -size } else { size }
     }
 
     #[inline(always)]
     fn split(self, limit: usize) -> (usize, Self) {
-        let whole = (self.to_bits().max(0) as usize >> FRACTION).min(limit);
-        (whole, self - Fixed24::from_bits((whole as i32) << FRACTION))
+        let whole = (self.to_bits().max(0) as usize >> F::U32).min(limit);
+        (whole, self - Fixed::from_bits((whole as i32) << F::U32))
+    }
+}
+
+impl<F: Fraction + Default> Cell for Fixed<F> {
+    /// As many as f32 can hold, so that both stop at the same images.
+    const MAX_LABEL: u32 = 1 << 24;
+    const BYTES: usize = 4;
+    const BLANK: Self = Fixed(FixedI32::ZERO);
+
+    #[inline]
+    fn from_label(label: u32) -> Self {
+        Fixed::from_bits(label.min(Self::MAX_LABEL) as i32)
+    }
+
+    #[inline]
+    fn label(self) -> u32 {
+        self.to_bits() as u32
+    }
+
+    #[inline]
+    fn bits(self) -> u32 {
+        self.to_bits() as u32
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> Self {
+        Fixed::from_bits(bits as i32)
     }
 }
 

@@ -79,28 +79,54 @@ pub struct March {
 struct Planes<'a, A: Arithmetic> {
     front: &'a mut [A::Cell],
     speed: &'a [A::Cell],
-    width: usize,
+    width: u32,
 }
 
-/// What is known around a pixel: the least settled time along either axis, and whether a pixel
-/// that is not settled yet lies on it.
-struct Around {
-    times: [f32; 2],
-    open: [bool; 2],
+/// The pixels to the left and right, below and above. Beyond the frame's edge stands the one on the
+/// other side, which changes nothing: of two neighbours on an axis the earlier one counts.
+type Neighbours = [[u32; 2]; 2];
+
+/// What is known along an axis: the least settled time, and whether a pixel that is not settled yet
+/// lies on it.
+#[derive(Clone, Copy)]
+struct Axis {
+    known: f32,
+    open: bool,
+}
+
+impl Axis {
+    /// From the bits of the two cells: settled times are positive, and as whole numbers smaller
+    /// than those of all other cells.
+    #[inline(always)]
+    fn of([one, other]: [u32; 2]) -> Axis {
+        let (least, most) = if one < other { (one, other) } else { (other, one) };
+        let open = most >= FAR.to_bits();
+        Axis { known: f32::from_bits(least.min(FAR.to_bits())), open }
+    }
+
+    /// The least time that may come of it, where what is not settled comes at `end` or later.
+    #[inline(always)]
+    fn soonest(self, end: f32) -> f32 {
+        if self.open && end < self.known { end } else { self.known }
+    }
 }
 
 impl<A: Arithmetic> Planes<'_, A> {
+    #[inline(always)]
     fn bits(&self, pixel: u32) -> u32 {
         self.front.get(pixel as usize).map_or(0, |cell| cell.bits())
     }
 
     /// Reads around a pixel that will soon be looked at, so that its memory is at hand by then.
+    #[inline(always)]
     fn fetch(&self, pixel: u32) {
-        let width = self.width as u32;
-        let cells = [pixel, pixel.saturating_sub(width), pixel.saturating_add(width)];
-        core::hint::black_box((cells.map(|cell| self.bits(cell)), self.speed.get(pixel as usize).copied()));
+        let [here, below, above] =
+            [pixel, pixel.wrapping_sub(self.width), pixel.wrapping_add(self.width)].map(|cell| self.bits(cell));
+        let speed = self.speed.get(pixel as usize).map_or(0, |cell| cell.bits());
+        core::hint::black_box(here ^ below ^ above ^ speed);
     }
 
+    #[inline(always)]
     fn set(&mut self, pixel: u32, bits: u32) {
         if let Some(cell) = self.front.get_mut(pixel as usize) {
             *cell = A::Cell::from_bits(bits);
@@ -108,39 +134,28 @@ impl<A: Arithmetic> Planes<'_, A> {
     }
 
     /// Pixels of time that it takes to cross the pixel, [`NEVER`] at most.
+    #[inline(always)]
     fn delay(&self, pixel: u32) -> f32 {
         let g = self.speed.get(pixel as usize).map_or(0.0, |&cell| A::pixel(cell).to_f32());
         if g * NEVER > 1.0 { 1.0 / g } else { NEVER }
     }
 
-    /// The neighbours to the left and right, below and above; `None` beyond the frame.
-    fn neighbours(&self, pixel: u32) -> [[Option<u32>; 2]; 2] {
-        let (width, last) = (self.width as u32, (self.front.len() as u32).saturating_sub(1));
+    #[inline(always)]
+    fn neighbours(&self, pixel: u32) -> Neighbours {
+        let (width, cells) = (self.width, self.front.len() as u32);
         let column = pixel % width.max(1);
-        let left = if column > 0 { pixel.checked_sub(1) } else { None };
-        let right = if column + 1 < width { pixel.checked_add(1) } else { None };
-        [[left, right], [pixel.checked_sub(width), pixel.checked_add(width).filter(|&above| above <= last)]]
-    }
-
-    fn around(&self, neighbours: &[[Option<u32>; 2]; 2]) -> Around {
-        let (mut times, mut open) = ([FAR; 2], [false; 2]);
-        for ((time, open), pair) in times.iter_mut().zip(&mut open).zip(neighbours) {
-            for &neighbour in pair.iter().flatten() {
-                let bits = self.bits(neighbour);
-                if bits & LINK == 0 && bits != FAR.to_bits() {
-                    let known = f32::from_bits(bits);
-                    *time = if known < *time { known } else { *time };
-                } else {
-                    *open = true;
-                }
-            }
-        }
-        Around { times, open }
+        let (left, right) = (pixel.wrapping_sub(1), pixel.wrapping_add(1));
+        let (below, above) = (pixel.wrapping_sub(width), pixel.wrapping_add(width));
+        [
+            [if column == 0 { right } else { left }, if column + 1 == width { left } else { right }],
+            [if pixel < width { above } else { below }, if above >= cells { below } else { above }],
+        ]
     }
 }
 
 /// The time at a pixel from the times `h` and `v` along the two axes: the larger root of
 /// `(T-h)^2 + (T-v)^2 = delay^2`, or from one axis alone where the other is too late to matter.
+#[inline(always)]
 fn arrival<A: Arithmetic>(h: f32, v: f32, delay: f32) -> f32 {
     let (first, second) = if h < v { (h, v) } else { (v, h) };
     let lag = second - first;
@@ -183,7 +198,7 @@ impl March {
 
     /// Puts the pixels beside the settled ones of row `y` into the lists.
     pub fn sow_row<A: Arithmetic>(&mut self, front: &mut [A::Cell], speed: &[A::Cell], width: usize, y: usize) {
-        let mut planes = Planes::<A> { front, speed, width };
+        let mut planes = Planes::<A> { front, speed, width: width as u32 };
         let first = (y * width) as u32;
         for pixel in first..first + width as u32 {
             let bits = planes.bits(pixel);
@@ -202,7 +217,7 @@ impl March {
         width: usize,
         pixels: usize,
     ) -> bool {
-        let mut planes = Planes::<A> { front, speed, width };
+        let mut planes = Planes::<A> { front, speed, width: width as u32 };
         for _ in 0..pixels {
             if self.next == END && !self.next_bucket() {
                 return false;
@@ -228,16 +243,16 @@ impl March {
     }
 
     /// Takes the next pixel of the bucket: settles it, or moves it to a later bucket.
+    #[inline(always)]
     fn look<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>) {
         let pixel = self.next;
         self.next = planes.bits(pixel) & !LINK;
         planes.fetch(self.next);
         let (delay, neighbours) = (planes.delay(pixel), planes.neighbours(pixel));
-        let Around { times: [h, v], open: [open_h, open_v] } = planes.around(&neighbours);
+        let [h, v] = neighbours.map(|pair| Axis::of(pair.map(|neighbour| planes.bits(neighbour))));
         let end = (self.bucket + 1) as f32 * WIDTH;
-        let earliest = |known: f32, open: bool| if open && end < known { end } else { known };
-        let time = arrival::<A>(h, v, delay);
-        let soonest = if time < end { time } else { arrival::<A>(earliest(h, open_h), earliest(v, open_v), delay) };
+        let time = arrival::<A>(h.known, v.known, delay);
+        let soonest = if time < end { time } else { arrival::<A>(h.soonest(end), v.soonest(end), delay) };
         if time < end + AHEAD && time - soonest <= SLACK {
             planes.set(pixel, time.to_bits());
             self.latest = if time > self.latest { time } else { self.latest };
@@ -248,10 +263,11 @@ impl March {
     }
 
     /// The pixels around one that is settled at `time` can be next.
-    fn reach<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>, neighbours: &[[Option<u32>; 2]; 2], time: f32) {
+    #[inline(always)]
+    fn reach<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>, neighbours: &Neighbours, time: f32) {
         let now = self.bucket as f32 * WIDTH;
         let earliest = if time < now { time } else { now };
-        for &neighbour in neighbours.iter().flatten().flatten() {
+        for &neighbour in neighbours.as_flattened() {
             if planes.bits(neighbour) == FAR.to_bits() {
                 let soonest = arrival::<A>(earliest, now, planes.delay(neighbour));
                 self.wait(planes, neighbour, soonest, self.bucket);
@@ -261,6 +277,7 @@ impl March {
 
     /// Puts a pixel into the list of the bucket of `time`, `first` at the earliest. Beyond the
     /// last bucket it is in no list.
+    #[inline(always)]
     fn wait<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>, pixel: u32, time: f32, first: u32) {
         let bucket = (time / WIDTH) as u32;
         if bucket > self.last_bucket {

@@ -10,7 +10,8 @@ fn steepness<A: Arithmetic>(l: A::Cell, r: A::Cell, b: A::Cell, a: A::Cell) -> A
     A::norm(A::pixel(r) - A::pixel(l), A::pixel(a) - A::pixel(b), A::Real::ZERO, A::Real::ZERO)
 }
 
-/// Finds the least and the greatest steepness of the image; changes nothing.
+/// Finds the least and the greatest steepness of the image; changes nothing. No steepness is below
+/// zero, so that their bits compare as they do: whole numbers, whose extremes vector units find.
 #[derive(Clone, Copy, Debug)]
 pub struct GradientRange<A: Arithmetic> {
     /// The least `2 dx |grad I|` so far.
@@ -30,14 +31,14 @@ impl<A: Arithmetic> Kernel<A, 3> for GradientRange<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], _aux: &[A::Cell], _new: &mut [A::Cell]) {
         let Cross { left, right, below, above, .. } = cross(old);
-        let (mut least, mut greatest) = (self.least, self.greatest);
+        let (mut least, mut greatest) = (self.least.bits(), self.greatest.bits());
         for (((&l, &r), &b), &a) in left.iter().zip(right).zip(below).zip(above) {
-            let s = steepness::<A>(l, r, b, a);
-            least = least.least(s);
-            greatest = greatest.greatest(s);
+            let s = steepness::<A>(l, r, b, a).bits();
+            least = least.min(s);
+            greatest = greatest.max(s);
         }
-        self.least = least;
-        self.greatest = greatest;
+        self.least = A::Real::from_bits(least);
+        self.greatest = A::Real::from_bits(greatest);
     }
 }
 
@@ -77,15 +78,12 @@ impl<A: Arithmetic> EdgeDetector<A> {
         EdgeDetector::G2Mod { least: range.least, span: range.greatest - range.least, c2, rest: A::Real::ONE - c2 }
     }
 
-    /// The speed in [0, 1] where the steepness is `s`.
+    /// One row: `speed` of every steepness.
     #[inline(always)]
-    fn speed(&self, s: A::Real) -> A::Real {
-        match *self {
-            EdgeDetector::G1 { scale, p } => g1::<A>(s * scale, p),
-            EdgeDetector::G2Mod { least, span, c2, rest } => {
-                let g2 = A::Real::ONE - (s - least).ratio(span);
-                (g2 - c2).positive().ratio(rest)
-            }
+    fn fill(old: &[&[A::Cell]; 3], new: &mut [A::Cell], speed: impl Fn(A::Real) -> A::Real) {
+        let Cross { left, right, below, above, .. } = cross(old);
+        for ((((new, &l), &r), &b), &a) in new.iter_mut().zip(left).zip(right).zip(below).zip(above) {
+            *new = A::to_pixel(speed(steepness::<A>(l, r, b, a)));
         }
     }
 }
@@ -105,10 +103,13 @@ fn g1<A: Arithmetic>(z: A::Real, p: Exponent) -> A::Real {
 impl<A: Arithmetic> Kernel<A, 3> for EdgeDetector<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], _aux: &[A::Cell], new: &mut [A::Cell]) {
-        let detector = *self;
-        let Cross { left, right, below, above, .. } = cross(old);
-        for ((((new, &l), &r), &b), &a) in new.iter_mut().zip(left).zip(right).zip(below).zip(above) {
-            *new = A::to_pixel(detector.speed(steepness::<A>(l, r, b, a)));
+        // Outside the loop: what has no branches becomes vectors.
+        match *self {
+            EdgeDetector::G1 { scale, p } => Self::fill(old, new, |s| g1::<A>(s * scale, p)),
+            EdgeDetector::G2Mod { least, span, c2, rest } => Self::fill(old, new, |s| {
+                let g2 = A::Real::ONE - (s - least).ratio(span);
+                (g2 - c2).positive().ratio(rest)
+            }),
         }
     }
 }

@@ -62,11 +62,12 @@ impl Front {
 
     /// Writes row `y` of `u0`.
     pub fn row<A: Arithmetic>(&self, y: usize, row: &mut [A::Cell]) {
-        let vertical = off_centre(y, self.height);
+        let (y, columns, rows) = (y as u32, self.width as u32, self.height as u32);
+        let vertical = off_centre(y, rows);
         let height = (self.height.saturating_sub(4)) as f32 * 0.5;
         let width = (self.width.saturating_sub(4)) as f32 * 0.5;
-        for (x, cell) in row.iter_mut().enumerate() {
-            let horizontal = off_centre(x, self.width);
+        for (x, cell) in (0u32..).zip(row) {
+            let horizontal = off_centre(x, columns);
             let value = if self.band < f32::MAX {
                 let (across, along) = (width * (1.0 - horizontal), height * (1.0 - vertical));
                 if across < along { across } else { along }
@@ -79,7 +80,9 @@ impl Front {
 }
 
 /// `|x - (n-1)/2| / (n/2 - 2)`, a quotient of two integers and so the same from both ends.
-fn off_centre(x: usize, n: usize) -> f32 {
+#[inline(always)]
+fn off_centre(x: u32, n: u32) -> f32 {
     let offset = (2 * x).abs_diff(n.saturating_sub(1));
-    offset as f32 / n.saturating_sub(4).max(1) as f32
+    // Signed: vector units turn only such numbers into f32.
+    offset as i32 as f32 / n.saturating_sub(4).max(1) as i32 as f32
 }

@@ -20,6 +20,14 @@ use crate::config::Connectivity;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Damaged;
 
+/// Pixels that are looked at together, whether any belongs to an object.
+const PIECE: usize = 32;
+
+/// The cells of a row that hold a label.
+fn labelled<C: Cell>(row: &mut [C]) -> impl Iterator<Item = &mut C> {
+    row.iter_mut().filter(|cell| cell.bits() != C::BLANK.bits())
+}
+
 /// The label table in a plane.
 #[derive(Debug)]
 pub struct Table<'a, C: Cell> {
@@ -94,34 +102,48 @@ impl<'a, C: Cell> Table<'a, C> {
         labels: &mut u32,
     ) -> Result<u32, Damaged> {
         let diagonal = connectivity == Connectivity::Eight;
-        let (mut left, mut before_left, mut unlabelled) = (0, 0, 0);
-        let mut before = before.iter().map(|cell| cell.label()).peekable();
-        for (cell, pixel) in row.iter_mut().zip(pixels) {
-            let above = before.next().unwrap_or(0);
-            let mut label = 0;
-            if A::level(*cell) > A::Real::ZERO && pixel.is_finite() {
-                let above_right = before.peek().copied().unwrap_or(0);
-                let corners = if diagonal { [before_left, above_right] } else { [0, 0] };
-                for neighbour in [left, above].into_iter().chain(corners) {
-                    if neighbour != 0 && neighbour != label {
-                        label = if label == 0 { self.first(neighbour)? } else { self.join(label, neighbour)? };
-                    }
-                }
-                if label == 0 && *labels < self.capacity() {
-                    *labels = labels.saturating_add(1);
-                    label = *labels;
-                    self.set_equal(label, label);
-                    if let Some(area) = self.back(label) {
-                        *area = C::from_label(0);
-                    }
-                }
-                unlabelled += u32::from(label == 0);
+        let before = |x: usize| before.get(x).map_or(0, |cell| cell.label());
+        let (mut left, mut unlabelled) = (0, 0);
+        for (start, cells) in (0usize..).step_by(PIECE).zip(row.chunks_mut(PIECE)) {
+            // Most of an image belongs to nothing.
+            if !cells.iter().fold(false, |any, cell| any | (A::level(*cell) > A::Real::ZERO)) {
+                cells.fill(C::from_label(0));
+                left = 0;
+                continue;
             }
-            *cell = C::from_label(label);
-            left = label;
-            before_left = above;
+            for ((x, cell), pixel) in (start..).zip(cells).zip(pixels.get(start..).unwrap_or(&[])) {
+                let mut label = 0;
+                if A::level(*cell) > A::Real::ZERO && pixel.is_finite() {
+                    let corners = if diagonal { [before(x.wrapping_sub(1)), before(x + 1)] } else { [0, 0] };
+                    for neighbour in [left, before(x)].into_iter().chain(corners) {
+                        if neighbour != 0 && neighbour != label {
+                            label = if label == 0 { self.first(neighbour)? } else { self.join(label, neighbour)? };
+                        }
+                    }
+                    if label == 0 {
+                        label = self.new_label(labels);
+                    }
+                    unlabelled += u32::from(label == 0);
+                }
+                *cell = C::from_label(label);
+                left = label;
+            }
         }
         Ok(unlabelled)
+    }
+
+    /// A label that is equal to no other yet; 0 where the table is full.
+    fn new_label(&mut self, labels: &mut u32) -> u32 {
+        if *labels >= self.capacity() {
+            return 0;
+        }
+        *labels = labels.saturating_add(1);
+        let label = *labels;
+        self.set_equal(label, label);
+        if let Some(area) = self.back(label) {
+            *area = C::from_label(0);
+        }
+        label
     }
 
     /// Pass 2, for labels in increasing order: points a label to its component's first label.
@@ -139,7 +161,7 @@ impl<'a, C: Cell> Table<'a, C> {
     /// # Errors
     /// [`Damaged`] where a pixel has a label that was never given.
     pub fn count_row(&mut self, row: &mut [C]) -> Result<(), Damaged> {
-        for cell in row.iter_mut().filter(|cell| cell.label() != 0) {
+        for cell in labelled(row) {
             let first = self.equal(cell.label())?;
             *cell = C::from_label(first);
             let area = self.back(first).ok_or(Damaged)?;
@@ -167,7 +189,7 @@ impl<'a, C: Cell> Table<'a, C> {
     /// # Errors
     /// [`Damaged`] where a pixel has a label that was never given.
     pub fn final_row(&mut self, row: &mut [C]) -> Result<(), Damaged> {
-        for cell in row.iter_mut().filter(|cell| cell.label() != 0) {
+        for cell in labelled(row) {
             *cell = *self.back(cell.label()).ok_or(Damaged)?;
         }
         Ok(())

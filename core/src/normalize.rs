@@ -21,18 +21,32 @@ impl Extremes {
 
     /// Takes in one row of pixels; NaN and infinities do not count.
     pub fn observe(&mut self, row: &[f32]) {
+        let (mut least, mut greatest, mut defined) = (i32::MAX, i32::MIN, 0u32);
         for &pixel in row {
-            if pixel.is_finite() {
-                self.defined = self.defined.saturating_add(1);
-                if pixel < self.least {
-                    self.least = pixel;
-                }
-                if pixel > self.greatest {
-                    self.greatest = pixel;
-                }
-            }
+            let (rank, counts) = (rank(pixel), pixel.is_finite());
+            least = least.min(if counts { rank } else { i32::MAX });
+            greatest = greatest.max(if counts { rank } else { i32::MIN });
+            defined += u32::from(counts);
+        }
+        if defined > 0 {
+            let (least, greatest) = (of_rank(least), of_rank(greatest));
+            self.least = if least < self.least { least } else { self.least };
+            self.greatest = if greatest > self.greatest { greatest } else { self.greatest };
+            self.defined = self.defined.saturating_add(defined);
         }
     }
+}
+
+/// A whole number that grows with the pixel: the extremes of such are what vector units find.
+#[inline(always)]
+fn rank(pixel: f32) -> i32 {
+    // Both zeros have the rank of the positive one.
+    let bits = (pixel + 0.0).to_bits() as i32;
+    bits ^ ((bits >> 31) & i32::MAX)
+}
+
+fn of_rank(rank: i32) -> f32 {
+    f32::from_bits((rank ^ ((rank >> 31) & i32::MAX)) as u32)
 }
 
 /// The linear map that takes `low` to 0 and `high` to 1, clipped.

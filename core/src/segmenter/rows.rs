@@ -204,7 +204,8 @@ const LABELS: fn(Damaged) -> &'static str = |_| "the label table";
 
 /// Adds a row of labelled pixels to their sources; sources beyond the catalogue are left out.
 fn measure_row<C: Cell>(labels: &[C], y: usize, pixels: &[f32], floor: f32, sources: &mut [Source]) {
-    for ((x, cell), &pixel) in (0u32..).zip(labels).zip(pixels) {
+    let cells = (0u32..).zip(labels).zip(pixels);
+    for ((x, cell), &pixel) in cells.filter(|((_, cell), _)| cell.bits() != C::BLANK.bits()) {
         if let Some(source) = (cell.label() as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
             source.add(x, y as u32, pixel, floor);
         }

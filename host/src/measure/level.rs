@@ -57,19 +57,14 @@ pub fn clipped_scatter(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) 
 
 /// Median and standard deviation of a sorted sample.
 fn spread(sorted: &[f64]) -> (f64, f64) {
-    let middle = median(sorted);
-    let mut distances: Vec<f64> = sorted.iter().map(|value| (value - middle).abs()).collect();
-    distances.sort_unstable_by(f64::total_cmp);
-    (middle, MAD_TO_SIGMA * median(&distances))
-}
-
-fn median(sorted: &[f64]) -> f64 {
     let half = sorted.len() / 2;
-    match sorted.len() {
-        0 => 0.0,
-        n if n % 2 == 1 => sorted[half],
-        _ => 0.5 * (sorted[half - 1] + sorted[half]),
-    }
+    let mean_of_two = sorted.len().is_multiple_of(2);
+    let Some(&upper) = sorted.get(half) else { return (0.0, 0.0) };
+    let middle = if mean_of_two { 0.5 * (sorted[half - 1] + upper) } else { upper };
+    let mut distances: Vec<f64> = sorted.iter().map(|value| (value - middle).abs()).collect();
+    let (below, &mut upper, _) = distances.select_nth_unstable_by(half, f64::total_cmp);
+    let lower = below.iter().copied().max_by(f64::total_cmp).filter(|_| mean_of_two);
+    (middle, MAD_TO_SIGMA * lower.map_or(upper, |lower| 0.5 * (lower + upper)))
 }
 
 #[cfg(test)]

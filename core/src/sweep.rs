@@ -5,13 +5,16 @@
 //! of `N` rows, each padded by `R` cells on both sides. Beyond the frame every row and column is
 //! repeated (homogeneous Neumann conditions), here and nowhere else.
 
-use crate::arithmetic::Arithmetic;
+use crate::arithmetic::{Arithmetic, Cell};
 use crate::machine::Task;
 use crate::tiles::{COLUMNS, Marker, Tiles};
 use core::ops::Range;
 
 /// A pure function from old rows to a new row; `N` is odd.
 pub trait Kernel<A: Arithmetic, const N: usize> {
+    /// Whether a new value depends on pixels that are neither in its row nor in its column.
+    const CORNERS: bool = true;
+
     /// Computes one row.
     ///
     /// `old[i]` is the row `i - N/2` rows away, W + N - 1 cells with N/2 repeated cells on each
@@ -122,6 +125,7 @@ pub fn advance_active<A, K, const N: usize>(
     A: Arithmetic,
     K: Kernel<A, N> + Copy,
 {
+    tiles.look_at_corners(K::CORNERS);
     let mut y = rows.start;
     while y < rows.end {
         let tile_row = tiles.row_at(y);
@@ -177,39 +181,6 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> Task for ActiveRun<'
 
     #[inline(always)]
     fn run(self) {
-        if VECTORS { self.tile_by_tile() } else { self.row_by_row() }
-    }
-}
-
-/// Whether the processor has vector units, which want loops of constant length.
-const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
-
-impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> ActiveRun<'_, '_, A, K, N> {
-    /// Whole rows of the run, then their marks: the least instructions where there are no vectors,
-    /// and the least code.
-    #[inline(always)]
-    fn row_by_row(self) {
-        let ActiveRun { kernel: shared, band, columns, rows, first, tile_rows, flags } = self;
-        let mut kernel = *shared;
-        let mut run = Run::<A::Cell, N>::new(band, &columns, rows.start);
-        for y in rows {
-            let marker = Marker::new::<N>(y - first, tile_rows);
-            let (old, aux, new) = run.next_row(y);
-            kernel.row(&old, aux, new);
-            let before = centre_of(&old, new.len());
-            kernel.settle(before, aux, new);
-            let pieces = before.chunks(COLUMNS).zip(new.chunks(COLUMNS));
-            for (flag, (before, after)) in flags.iter_mut().zip(pieces) {
-                marker.mark::<_, N>(flag, before, after);
-            }
-        }
-        *shared = kernel;
-    }
-
-    /// Tile by tile: loops of constant length become vectors, and what is computed in a tile's own
-    /// array stays in registers until it is compared and stored.
-    #[inline(always)]
-    fn tile_by_tile(self) {
         let ActiveRun { kernel: shared, band, columns, rows, first, tile_rows, flags } = self;
         // A copy: behind the reference it could change with every cell written.
         let mut kernel = *shared;
@@ -217,43 +188,79 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> ActiveRun<'_, '_, A,
         for y in rows {
             let marker = Marker::new::<N>(y - first, tile_rows);
             let (old, aux, new) = run.next_row(y);
-            let (tiles, rest) = new.as_chunks_mut::<COLUMNS>();
-            let (whole, mut x) = (tiles.len(), 0);
-            for (flag, new) in flags.iter_mut().zip(tiles) {
-                let (Some(window), Some(aux)) = (cut(&old, x), aux.get(x..x + COLUMNS)) else { break };
-                let before = *new;
-                let mut after = before;
-                kernel.row(&window, aux, &mut after);
-                kernel.settle(&before, aux, &mut after);
-                marker.mark::<_, N>(flag, &before, &after);
-                *new = after;
-                x += COLUMNS;
-            }
-            // The frame's last tile, made up to a whole one: whatever lies behind the frame does
-            // not count, and nothing changes there.
-            if let (false, Some(flag), Some(window)) = (rest.is_empty(), flags.get_mut(whole), cut(&old, x)) {
-                let mut before = [A::Cell::default(); COLUMNS];
-                before.iter_mut().zip(centre_of(&window, COLUMNS)).for_each(|(before, cell)| *before = *cell);
-                let mut after = before;
-                let made_up;
-                let aux = if let Some(aux) = aux.get(x..x + COLUMNS) {
-                    aux
-                } else {
-                    made_up = whole_tile(shifted(aux, x));
-                    &made_up
-                };
-                kernel.row(&window, aux, &mut after);
-                for (i, (before, after)) in before.iter_mut().zip(&mut after).enumerate() {
-                    if i >= rest.len() {
-                        (*before, *after) = Default::default();
-                    }
-                }
-                kernel.settle(&before, aux, &mut after);
-                marker.mark::<_, N>(flag, &before, &after);
-                rest.iter_mut().zip(after).for_each(|(new, after)| *new = after);
-            }
+            let row = ActiveRow { old, aux, new, flags: &mut *flags, marker };
+            if VECTORS { row.tile_by_tile::<A, K>(&mut kernel) } else { row.in_one::<A, K>(&mut kernel) }
         }
         *shared = kernel;
+    }
+}
+
+/// Whether the processor has vector units, which want loops of constant length.
+const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
+
+/// A row of a run of tiles.
+struct ActiveRow<'a, C, const N: usize> {
+    old: [&'a [C]; N],
+    aux: &'a [C],
+    new: &'a mut [C],
+    flags: &'a mut [u8],
+    marker: Marker,
+}
+
+impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
+    /// The whole row, then its marks: the least instructions where there are no vectors, and the
+    /// least code.
+    #[inline(always)]
+    fn in_one<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K) {
+        let ActiveRow { old, aux, new, flags, marker } = self;
+        kernel.row(&old, aux, new);
+        let before = centre_of(&old, new.len());
+        kernel.settle(before, aux, new);
+        let pieces = before.chunks(COLUMNS).zip(new.chunks(COLUMNS));
+        for (flag, (before, after)) in flags.iter_mut().zip(pieces) {
+            marker.mark::<_, N>(flag, before, after);
+        }
+    }
+
+    /// Tile by tile: loops of constant length become vectors, and what is computed in a tile's own
+    /// array stays in registers until it is compared and stored.
+    #[inline(always)]
+    fn tile_by_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K) {
+        let ActiveRow { old, aux, new, flags, marker } = self;
+        let (tiles, rest) = new.as_chunks_mut::<COLUMNS>();
+        let (whole, mut x) = (tiles.len(), 0);
+        for (flag, new) in flags.iter_mut().zip(tiles) {
+            let (Some(window), Some(aux)) = (cut(&old, x), aux.get(x..x + COLUMNS)) else { break };
+            let before = *new;
+            let mut after = before;
+            kernel.row(&window, aux, &mut after);
+            kernel.settle(&before, aux, &mut after);
+            marker.mark::<_, N>(flag, &before, &after);
+            *new = after;
+            x += COLUMNS;
+        }
+        // The frame's last tile, made up to a whole one: whatever lies behind the frame does
+        // not count, and nothing changes there.
+        if let (false, Some(flag), Some(window)) = (rest.is_empty(), flags.get_mut(whole), cut(&old, x)) {
+            let mut before = whole_tile(centre_of(&window, COLUMNS));
+            let mut after = before;
+            let made_up;
+            let aux = if let Some(aux) = aux.get(x..x + COLUMNS) {
+                aux
+            } else {
+                made_up = whole_tile(shifted(aux, x));
+                &made_up
+            };
+            kernel.row(&window, aux, &mut after);
+            for (i, (before, after)) in before.iter_mut().zip(&mut after).enumerate() {
+                if i >= rest.len() {
+                    (*before, *after) = Default::default();
+                }
+            }
+            kernel.settle(&before, aux, &mut after);
+            marker.mark::<_, N>(flag, &before, &after);
+            rest.iter_mut().zip(after).for_each(|(new, after)| *new = after);
+        }
     }
 }
 
@@ -358,14 +365,31 @@ impl Saved {
     #[inline(always)]
     fn row<C: Copy>(&self, slot: &mut [C], plane: &[C], start: usize) {
         let cells = plane.get(start + self.columns.start..start + self.columns.end).unwrap_or(&[]);
+        let Some(saved) = slot.get_mut(self.padding..self.padding + cells.len()) else { return };
+        copy(cells, saved);
+        if self.edges != [0; 2] {
+            self.repeat(slot, cells);
+        }
+    }
+
+    /// Repeats the frame's edge beside saved `cells`.
+    fn repeat<C: Copy>(&self, slot: &mut [C], cells: &[C]) {
         let (Some(left), Some(right)) = (cells.first(), cells.last()) else { return };
-        let (before, rest) = slot.split_at_mut_checked(self.padding).unwrap_or((&mut [], &mut []));
-        let (middle, after) = rest.split_at_mut_checked(cells.len()).unwrap_or((&mut [], &mut []));
-        before.iter_mut().take(self.edges[0]).for_each(|cell| *cell = *left);
-        after.iter_mut().take(self.edges[1]).for_each(|cell| *cell = *right);
-        let ((from, from_rest), (to, to_rest)) = (cells.as_chunks::<COLUMNS>(), middle.as_chunks_mut::<COLUMNS>());
-        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
-        to_rest.iter_mut().zip(from_rest).for_each(|(to, from)| *to = *from);
+        slot.iter_mut().take(self.edges[0]).for_each(|cell| *cell = *left);
+        slot.iter_mut().skip(self.padding + cells.len()).take(self.edges[1]).for_each(|cell| *cell = *right);
+    }
+}
+
+/// Copies cells, `from` and `to` being of one length, in whole tiles: where there are vectors the
+/// last tile begins among cells that are already copied.
+#[inline(always)]
+fn copy<C: Copy>(from: &[C], to: &mut [C]) {
+    let ((tiles, rest), (to_tiles, to_rest)) = (from.as_chunks::<COLUMNS>(), to.as_chunks_mut::<COLUMNS>());
+    to_tiles.iter_mut().zip(tiles).for_each(|(to, from)| *to = *from);
+    if !VECTORS || tiles.is_empty() {
+        to_rest.iter_mut().zip(rest).for_each(|(to, from)| *to = *from);
+    } else if let (Some(from), Some(to)) = (from.last_chunk::<COLUMNS>(), to.last_chunk_mut::<COLUMNS>()) {
+        *to = *from;
     }
 }
 
@@ -397,11 +421,10 @@ fn enter<A: Arithmetic, const N: usize>(
 ) {
     let (radius, first) = (N / 2, tiles.start(tile_row));
     if let Some(row_before) = tile_row.checked_sub(1) {
-        for column in run.start.saturating_sub(1)..=run.end {
-            if !tiles.is_active(row_before, column) {
-                let columns = tiles.columns(&(column..column + 1));
-                (first.saturating_sub(radius)..first).for_each(|y| band.save::<N>(y, &columns, 0));
-            }
+        let around = run.start.saturating_sub(1)..run.end + 1;
+        for column in tiles.at_rest(row_before, around) {
+            let columns = tiles.columns(&(column..column + 1));
+            (first.saturating_sub(radius)..first).for_each(|y| band.save::<N>(y, &columns, 0));
         }
     }
     let columns = tiles.columns(run);

@@ -42,17 +42,25 @@ pub struct Tiles<'a> {
     flags: &'a mut [u8],
     width: usize,
     tile_rows: usize,
+    /// Whether a change at a tile's corner matters to the tile beyond it.
+    corners: bool,
 }
 
 impl<'a> Tiles<'a> {
     /// The flags of a band of `width` columns in tiles of `tile_rows` rows; [`flags_len`] bytes.
     pub fn new(flags: &'a mut [u8], width: usize, tile_rows: usize) -> Self {
-        Tiles { flags, width, tile_rows: tile_rows.max(1) }
+        Tiles { flags, width, tile_rows: tile_rows.max(1), corners: true }
     }
 
     /// Flags of a row of tiles, its union included.
     fn stride(&self) -> usize {
         self.width.div_ceil(COLUMNS) + 1
+    }
+
+    /// Says whether the step that is to be noted looks at pixels that are neither in the row nor in
+    /// the column of the new one.
+    pub(crate) fn look_at_corners(&mut self, corners: bool) {
+        self.corners = corners;
     }
 
     /// Makes every tile active: before the first step, and whenever the planes were touched.
@@ -78,6 +86,12 @@ impl<'a> Tiles<'a> {
     pub fn is_active(&self, row: usize, column: usize) -> bool {
         let tiles = self.row(row).split_last().map_or(&[][..], |(_, tiles)| tiles);
         tiles.get(column).is_some_and(|flag| flag & ACTIVE != 0)
+    }
+
+    /// The tiles of some `columns` of a row of tiles that are not computed in this step.
+    pub(crate) fn at_rest(&self, row: usize, columns: Range<usize>) -> impl Iterator<Item = usize> {
+        let flags = self.border(row).get(columns.start..).unwrap_or(&[]);
+        columns.zip(flags).filter(|(_, flag)| *flag & ACTIVE == 0).map(|(column, _)| column)
     }
 
     /// The next run of active tiles in a row of tiles, from tile `from` on.
@@ -130,7 +144,7 @@ impl<'a> Tiles<'a> {
             let (flags, above) = rest.split_at_mut_checked(stride).unwrap_or((&mut [], &mut []));
             let below = if row == 0 { before } else { below.get(start - stride..).unwrap_or(&[]) };
             let above = if row + 1 == rows { after } else { above.get(..stride).unwrap_or(&[]) };
-            turn_row(flags, below, above);
+            turn_row(flags, below, above, self.corners);
         }
         self.flags.iter_mut().for_each(|flag| *flag &= ACTIVE);
     }
@@ -172,10 +186,11 @@ impl Marker {
 
 /// The active tiles of one row of tiles (its union behind it), from what changed in it, in the
 /// row of tiles below and in the one above.
-fn turn_row(flags: &mut [u8], below: &[u8], above: &[u8]) {
+fn turn_row(flags: &mut [u8], below: &[u8], above: &[u8], corners: bool) {
     let Some((union, tiles)) = flags.split_last_mut() else { return };
-    let outside = below.iter().any(|flag| flag & TOP != 0) || above.iter().any(|flag| flag & BOTTOM != 0);
-    if *union & (ACTIVE | CHANGED) == 0 && !outside {
+    let any_has = |row: &[u8], side: u8| row.iter().fold(0, |all, flag| all | flag) & side != 0;
+    let (under, over) = (any_has(below, TOP), any_has(above, BOTTOM));
+    if *union & (ACTIVE | CHANGED) == 0 && !under && !over {
         return;
     }
     let at = |row: &[u8], column: usize| row.get(column).copied().unwrap_or(0);
@@ -183,16 +198,14 @@ fn turn_row(flags: &mut [u8], below: &[u8], above: &[u8]) {
     let (mut any, mut left) = (0, 0);
     for column in 0..tiles.len() {
         let (before, after) = (column.wrapping_sub(1), column + 1);
-        let right = at(tiles, after);
+        let faces = |row: &[u8], side: u8| {
+            let at_corner = || has(at(row, before), side | RIGHT) || has(at(row, after), side | LEFT);
+            has(at(row, column), side) || corners && at_corner()
+        };
         let flag = at(tiles, column);
-        let beside = has(flag, CHANGED) || has(left, RIGHT) || has(right, LEFT);
-        let under =
-            has(at(below, before), TOP | RIGHT) || has(at(below, column), TOP) || has(at(below, after), TOP | LEFT);
-        let over = has(at(above, before), BOTTOM | RIGHT)
-            || has(at(above, column), BOTTOM)
-            || has(at(above, after), BOTTOM | LEFT);
+        let beside = (flag & CHANGED) | (left & RIGHT) | (at(tiles, after) & LEFT) != 0;
+        let active = u8::from(beside || under && faces(below, TOP) || over && faces(above, BOTTOM));
         left = flag;
-        let active = u8::from(beside || outside && (under || over));
         if let Some(tile) = tiles.get_mut(column) {
             *tile = (flag & !ACTIVE) | active;
         }

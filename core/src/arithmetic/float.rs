@@ -182,9 +182,7 @@ impl<M: Machine> Arithmetic for F32<M> {
         const HALF: f32 = 0.5;
         let pieces = old.chunks(PIECE).zip(new.chunks(PIECE));
         pieces.fold(0, |sum, (old, new)| {
-            // The bits of positive numbers sort as the numbers do: the sign says "beyond the limit".
-            let beyond = |v: &f32| (limit.to_bits() as i32).wrapping_sub(v.abs().to_bits() as i32);
-            if old.iter().fold(-1, |far, v| far & beyond(v)) < 0 {
+            if old.iter().fold(true, |far, v| far & (v.abs() > limit)) {
                 return sum;
             }
             let units = old.iter().zip(new).fold(0u32, |sum, (&v, &w)| {

@@ -15,6 +15,8 @@ pub struct Fd<A: Arithmetic> {
 }
 
 impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
+    const CORNERS: bool = false;
+
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
         // A copy: behind the reference it could change with every pixel written.

@@ -74,6 +74,8 @@ struct Tracked<A: Arithmetic, K> {
 }
 
 impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<A, K> {
+    const CORNERS: bool = K::CORNERS;
+
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; N], speed: &[A::Cell], new: &mut [A::Cell]) {
         self.kernel.row(old, speed, new);

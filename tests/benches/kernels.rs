@@ -1,13 +1,15 @@
-//! Nanoseconds per pixel and step of every row kernel, beside what the machine can do at best.
+//! Time of every row kernel, beside what the machine can do at best: criterion's throughput is in
+//! pixels and steps a second.
 //!
-//! `cargo bench -p skyfront-tests --bench kernels`. Times are processor time of this thread, the
-//! least of several rounds, so that a busy machine disturbs them little. The limits are measured
-//! in the same run: one square root a pixel, and one pixel copied.
+//! `cargo bench -p skyfront-benches [-- FILTER]`. Every group has the limits, measured
+//! in the same run on planes of the same size: a pixel copied, and a square root of every pixel.
 
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use skyfront::machine::Native;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24, Real};
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::edge::GradientRange;
+use skyfront_core::edge::{EdgeDetector, GradientRange};
 use skyfront_core::filter::Heat;
 use skyfront_core::machine::{Machine, Task};
 use skyfront_core::march::March;
@@ -15,33 +17,17 @@ use skyfront_core::region::Regions;
 use skyfront_core::scheme::{AnyScheme, Evolve, Step};
 use skyfront_core::settle::Settle;
 use skyfront_core::stop::{Change, StopRule};
-use skyfront_core::sweep::{Band, Halo, advance, ring_len};
+use skyfront_core::sweep::{Band, Halo, Kernel, advance, ring_len};
 use skyfront_core::tiles::{Tiles, flags_len, rows_of_tile};
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::Duration;
 
 const SIDE: usize = 512;
 const PIXELS: usize = SIDE * SIDE;
-const ROUNDS: usize = 9;
+/// Half-width of the band, pixels.
+const BAND: f32 = 8.0;
 
-/// Processor time of this thread in nanoseconds; wall time where the system does not tell it.
-fn now(start: Instant) -> f64 {
-    let spent = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let spent = spent.and_then(|text| text.split(' ').next()?.parse().ok());
-    spent.unwrap_or_else(|| start.elapsed().as_nanos() as f64)
-}
-
-/// The least time of a round of `steps` steps, in nanoseconds per pixel and step.
-fn least(steps: usize, mut round: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    (0..ROUNDS)
-        .map(|_| {
-            let before = now(start);
-            (0..steps).for_each(|_| round());
-            (now(start) - before) / (steps * PIXELS) as f64
-        })
-        .fold(f64::INFINITY, f64::min)
-}
+type Group<'a> = BenchmarkGroup<'a, WallTime>;
 
 struct Roots<'a>(&'a [f32], &'a mut [f32]);
 
@@ -54,15 +40,19 @@ impl Task for Roots<'_> {
     }
 }
 
-fn limits() -> (f64, f64) {
+/// A group of benchmarks, which begins with the limits.
+fn group<'a>(criterion: &'a mut Criterion, name: &str) -> Group<'a> {
+    let mut group = criterion.benchmark_group(name);
+    group.throughput(Throughput::Elements(PIXELS as u64));
     let (from, mut to) = (vec![2.0f32; PIXELS], vec![0.0f32; PIXELS]);
-    let roots = least(20, || {
-        for (from, to) in from.chunks(SIDE).zip(to.chunks_mut(SIDE)) {
-            Native::wide(Roots(black_box(from), to));
-        }
+    group.bench_function("limit: copy", |b| b.iter(|| to.copy_from_slice(black_box(&from))));
+    group.bench_function("limit: square root", |b| {
+        b.iter(|| {
+            let rows = from.chunks(SIDE).zip(to.chunks_mut(SIDE));
+            rows.for_each(|(from, to)| Native::wide(Roots(black_box(from), to)));
+        });
     });
-    let copy = least(20, || to.copy_from_slice(black_box(&from)));
-    (roots, copy)
+    group
 }
 
 /// A front plane with slopes everywhere and a speed plane, both of cells.
@@ -77,7 +67,8 @@ fn planes<A: Arithmetic>() -> (Vec<A::Cell>, Vec<A::Cell>) {
     (front, (0..PIXELS).map(|_| A::to_pixel(A::Real::of(random()))).collect())
 }
 
-fn scheme<A: Arithmetic>(scheme: Scheme, band: Option<f32>) -> f64 {
+/// A step of a scheme over all tiles.
+fn step<A: Arithmetic>(group: &mut Group<'_>, name: &str, scheme: Scheme, band: Option<f32>) {
     let config = Config { nu: 0.05, band, ..Config::PAPER_F160 }.with_scheme(scheme);
     let unit = if band.is_some() { (SIDE - 4) as f32 / 2.0 } else { 1.0 };
     let evolve = AnyScheme::<A>::new(&config, unit).expect("every scheme is there");
@@ -85,62 +76,77 @@ fn scheme<A: Arithmetic>(scheme: Scheme, band: Option<f32>) -> f64 {
     let (mut front, speed) = planes::<A>();
     let mut ring = vec![A::Cell::default(); ring_len(SIDE, evolve.window())];
     let mut flags = vec![0; flags_len(SIDE, SIDE)];
-    let mut step = Step { settle: Settle::new(band), change: Change::none(&rule), means: Regions::NONE.means };
-    least(4, || {
-        let mut tiles = Tiles::new(&mut flags, SIDE, rows_of_tile(SIDE));
-        tiles.wake();
-        let mut band = Band { plane: &mut front, aux: &speed, ring: &mut ring, width: SIDE, halo: Halo::NONE };
-        evolve.advance(&mut band, &mut tiles, 0..SIDE, &mut step);
-    })
+    let mut step = Step { settle: Settle::new(band), change: Change::none(&rule) };
+    group.bench_function(name, |b| {
+        b.iter(|| {
+            let mut tiles = Tiles::new(&mut flags, SIDE, rows_of_tile(SIDE));
+            tiles.wake();
+            let mut band = Band { plane: &mut front, aux: &speed, ring: &mut ring, width: SIDE, halo: Halo::NONE };
+            evolve.advance(&mut band, &mut tiles, 0..SIDE, &mut step);
+        });
+    });
 }
 
-fn image_kernels() -> [(&'static str, f64); 2] {
-    type A = F32<Native>;
-    let (mut image, _) = planes::<A>();
-    let mut ring = vec![0.0; ring_len(SIDE, 3)];
-    let mut heat = Heat::<A>::new(&Config::PAPER_F160);
-    let mut gradient = GradientRange::<A>::none();
-    let mut band = Band { plane: &mut image, aux: &[], ring: &mut ring, width: SIDE, halo: Halo::NONE };
-    let heat = least(10, || advance::<A, _, 3>(&mut heat, &mut band, 0..SIDE));
-    let gradient = least(10, || advance::<A, _, 3>(&mut gradient, &mut band, 0..SIDE));
-    [("heat filter", heat), ("gradient", gradient)]
-}
-
-fn march() -> f64 {
-    type A = F32<Native>;
-    let (_, mut speed) = planes::<A>();
-    speed.iter_mut().for_each(|g| *g = 0.5 + 0.5 * *g);
-    let mut front = vec![1.0f32; PIXELS];
-    least(1, || {
-        for (index, cell) in front.iter_mut().enumerate() {
-            let (x, y) = (index % SIDE, index / SIDE);
-            *cell = if x.min(y).min(SIDE - 1 - x.max(y)) < 2 { -0.5 } else { 1.0 };
-        }
-        let mut march = March::new(4.0 * SIDE as f32);
-        front.chunks_exact_mut(SIDE).for_each(March::seed_row::<A>);
-        (0..SIDE).for_each(|y| march.sow_row::<A>(&mut front, &speed, SIDE, y));
-        while march.advance::<A>(&mut front, &speed, SIDE, PIXELS) {}
-    })
-}
-
-fn main() {
-    let (roots, copy) = limits();
-    println!("{SIDE} x {SIDE} pixels, ns per pixel and step");
-    println!("{:24} {roots:8.3}\n{:24} {copy:8.3}", "limit: square root", "limit: copy");
-    let limit = roots + copy;
-    println!("{:24} {:>8} {:>16}", "kernel", "time", "limits together");
-    let row = |name: &str, time: f64| println!("{name:24} {time:8.3} {:15.1}x", time / limit);
-    for (name, which) in [
+fn schemes(criterion: &mut Criterion) {
+    for (name, scheme) in [
         ("fd", Scheme::Fd),
         ("fd-curvature", Scheme::FdCurvature),
         ("sl", Scheme::Sl),
         ("sl-curvature", Scheme::SlCurvature),
     ] {
-        row(&format!("{name} f32"), scheme::<F32<Native>>(which, None));
-        row(&format!("{name} f32, band"), scheme::<F32<Native>>(which, Some(8.0)));
-        row(&format!("{name} q24, band"), scheme::<Q24>(which, Some(8.0)));
-        row(&format!("{name} q11, band"), scheme::<Q11>(which, Some(8.0)));
+        let mut group = group(criterion, name);
+        step::<F32<Native>>(&mut group, "f32", scheme, None);
+        step::<F32<Native>>(&mut group, "f32, band", scheme, Some(BAND));
+        step::<Q24>(&mut group, "q24, band", scheme, Some(BAND));
+        step::<Q11>(&mut group, "q11, band", scheme, Some(BAND));
     }
-    image_kernels().into_iter().for_each(|(name, time)| row(name, time));
-    row("fast marching, in all", march());
 }
+
+/// A sweep over the image plane.
+fn sweep<K: Kernel<F32<Native>, 3>>(group: &mut Group<'_>, name: &str, mut kernel: K) {
+    let (_, mut image) = planes::<F32<Native>>();
+    let mut ring = vec![0.0; ring_len(SIDE, 3)];
+    group.bench_function(name, |b| {
+        b.iter(|| {
+            let mut band = Band { plane: &mut image, aux: &[], ring: &mut ring, width: SIDE, halo: Halo::NONE };
+            advance::<F32<Native>, K, 3>(&mut kernel, &mut band, 0..SIDE);
+        });
+    });
+}
+
+fn image(criterion: &mut Criterion) {
+    let (config, range) = (Config::PAPER_F160, GradientRange { least: 0.0, greatest: 2.0 });
+    let mut group = group(criterion, "image");
+    sweep(&mut group, "heat filter", Heat::new(&config));
+    sweep(&mut group, "gradient", GradientRange::none());
+    sweep(&mut group, "edge detector", EdgeDetector::new(&config, &range));
+}
+
+/// Arrival times of a whole frame.
+fn march(criterion: &mut Criterion) {
+    type A = F32<Native>;
+    let (_, mut speed) = planes::<A>();
+    speed.iter_mut().for_each(|g| *g = 0.5 + 0.5 * *g);
+    let mut front = vec![1.0f32; PIXELS];
+    group(criterion, "fast-marching").bench_function("f32, all pixels", |b| {
+        b.iter(|| {
+            for (index, cell) in front.iter_mut().enumerate() {
+                let (x, y) = (index % SIDE, index / SIDE);
+                *cell = if x.min(y).min(SIDE - 1 - x.max(y)) < 2 { -0.5 } else { 1.0 };
+            }
+            let mut march = March::new(4.0 * SIDE as f32);
+            front.chunks_exact_mut(SIDE).for_each(March::seed_row::<A>);
+            (0..SIDE).for_each(|y| march.sow_row::<A>(&mut front, &speed, SIDE, y));
+            while march.advance::<A>(&mut front, &speed, SIDE, PIXELS) {}
+        });
+    });
+}
+
+/// Some seconds for every group.
+fn short() -> Criterion {
+    let second = Duration::from_secs(1);
+    Criterion::default().sample_size(20).warm_up_time(second / 4).measurement_time(second).without_plots()
+}
+
+criterion_group!(name = kernels; config = short(); targets = schemes, image, march);
+criterion_main!(kernels);

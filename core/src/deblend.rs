@@ -84,6 +84,7 @@ pub fn reopen<L: Level>(
         if (group.len() as u32) < setting.reopened_area {
             continue;
         }
+        let of_host = regions.get((host as usize).wrapping_sub(1)).map_or(0, |host| host.peak.saturating_add(1));
         let Some(region) = regions.get_mut(count) else {
             left_out += 1;
             continue;
@@ -97,7 +98,11 @@ pub fn reopen<L: Level>(
             }
         }
         let (x, y) = field.grid.place(peak as usize);
-        *region = Region { peak, value, sum, centre: (L::whole(x), L::whole(y)), ..Region::BLANK };
+        let centre = (L::whole(x), L::whole(y));
+        *region = Region { peak, value, sum, centre, divided: of_host, ..Region::BLANK };
+        if let Some(inside) = regions.get_mut((host as usize).wrapping_sub(1)) {
+            inside.divide(field, peak);
+        }
         count += 1;
         for &at in group {
             if let Some(label) = labels.get_mut(at as usize) {

@@ -334,20 +334,21 @@ fn centre_on_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut 
     };
     let region = |label: u32| (label as usize).wrapping_sub(1);
     for region in regions.iter_mut() {
-        region.core = (0, 0.0, 0.0, 0.0);
+        (region.area, region.core) = (0, (0.0, 0.0, 0.0));
     }
     for (at, &label) in labels.iter().enumerate() {
         let Some(region) = regions.get_mut(region(label)) else { continue };
         if field.at(at) > region.value.scaled(half) {
             let value = field.at(at).to_f32();
             let ((x, y), (peak_x, peak_y)) = (place(at), place(region.peak as usize));
-            let (count, sum, sum_x, sum_y) = region.core;
-            region.core = (count + 1, sum + value, sum_x + value * (x - peak_x), sum_y + value * (y - peak_y));
+            let (sum, sum_x, sum_y) = region.core;
+            region.area += 1;
+            region.core = (sum + value, sum_x + value * (x - peak_x), sum_y + value * (y - peak_y));
         }
     }
     for region in regions.iter_mut() {
-        let (count, sum, sum_x, sum_y) = region.core;
-        if count > WIDE && sum > 0.0 {
+        let (sum, sum_x, sum_y) = region.core;
+        if region.area > WIDE && sum > 0.0 {
             let (x, y) = place(region.peak as usize);
             region.centre = (L::of(x + sum_x / sum), L::of(y + sum_y / sum));
         }

@@ -19,7 +19,7 @@ pub const TRUNCATED: u32 = 1;
 pub const SATURATED: u32 = 1 << 1;
 /// A pixel touches an undefined one.
 pub const MASKED: u32 = 1 << 2;
-/// The source touches another one.
+/// The source was divided from another one; without a deblender: it touches another one.
 pub const BLENDED: u32 = 1 << 3;
 /// The front was given up at its time limit.
 pub const LIMIT: u32 = 1 << 4;
@@ -39,7 +39,7 @@ pub const FLAGS: [Flag; 10] = [
     flag(TRUNCATED, "truncated", "touches the edge of the image"),
     flag(SATURATED, "saturated", "holds a pixel at or above the saturation level"),
     flag(MASKED, "masked", "touches undefined or masked pixels"),
-    flag(BLENDED, "blended", "touches another source"),
+    flag(BLENDED, "blended", "was divided from another source, or touches one"),
     flag(LIMIT, "limit", "the front was given up at t_max: outlines may be too wide"),
     flag(NO_ROOM, "no-room", "the table of labels or the catalogue was full: sources or pixels are missing"),
     flag(NO_FLUX, "no-flux", "no pixel stands above the background: centroid and shape are those of the pixels"),

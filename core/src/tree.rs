@@ -16,15 +16,17 @@ pub struct Region<L: Level> {
     pub peak: u32,
     /// Value there.
     pub value: L,
-    /// Number of pixels.
+    /// Number of pixels; while the centre is looked for, of those above half the peak.
     pub area: u32,
     /// Sum of its values.
     pub sum: L::Sum,
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
-    /// Of its pixels above half its peak: how many, the sum of the values, and of the values times
-    /// the distances from the peak along x and y.
-    pub core: (u32, f32, f32, f32),
+    /// Of its pixels above half its peak: the sum of the values, and of the values times the
+    /// distances from the peak along x and y.
+    pub core: (f32, f32, f32),
+    /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
+    pub divided: u32,
     /// The label it ends with.
     pub label: u32,
 }
@@ -37,9 +39,24 @@ impl<L: Level> Region<L> {
         area: 0,
         sum: L::NOTHING,
         centre: (L::ZERO, L::ZERO),
-        core: (0, 0.0, 0.0, 0.0),
+        core: (0.0, 0.0, 0.0),
+        divided: 0,
         label: 0,
     };
+
+    /// Remembers the part that has a pixel, where no brighter one is known.
+    pub fn divide(&mut self, field: Field<'_, L>, pixel: u32) {
+        let known = |place: u32| (place as usize).checked_sub(1).map(|at| field.at(at));
+        if known(self.divided).is_none_or(|value| field.at(pixel as usize) > value) {
+            self.divided = pixel.saturating_add(1);
+        }
+    }
+
+    /// Whether the source that the region became was divided from another one; `labels` are the final ones.
+    pub fn is_blended(&self, labels: &[u32]) -> bool {
+        let other = (self.divided as usize).checked_sub(1).and_then(|at| labels.get(at));
+        self.label != 0 && other.is_some_and(|&other| other != 0 && other != self.label)
+    }
 
     /// A region of one pixel.
     fn of(peak: u32, value: L) -> Region<L> {
@@ -169,6 +186,11 @@ pub fn grow<L: Level>(
             let (host_id, other_id) = (id(ids, host), id(ids, other));
             let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
             if setting.stands_apart(field, [&bright, &faint], value, photon) {
+                for (id, other) in [(host_id, faint.peak), (other_id, bright.peak)] {
+                    if let Some(region) = regions.get_mut(id) {
+                        region.divide(field, other);
+                    }
+                }
                 continue;
             }
             if let Some(parent) = parents.get_mut(other as usize) {
@@ -177,6 +199,9 @@ pub fn grow<L: Level>(
             if let Some(region) = regions.get_mut(host_id) {
                 region.area += faint.area;
                 region.sum = region.sum + faint.sum;
+                if let Some(other) = faint.divided.checked_sub(1) {
+                    region.divide(field, other);
+                }
             }
             if let Some(region) = regions.get_mut(other_id) {
                 region.area = 0;

@@ -82,6 +82,12 @@ pub fn segment<L: Level>(
             source.add((at % width) as u32, (at / width) as u32, pixel, extremes.least);
         }
     }
+    let mut blended = vec![false; sources.len()];
+    for region in table {
+        if let Some(of) = (region.label as usize).checked_sub(1).and_then(|index| blended.get_mut(index)) {
+            *of = region.is_blended(&labels);
+        }
+    }
     let stages = drive.keep_stages.then(|| StagePlanes {
         normalised: signal.iter().map(|value| shown::unit(&value.to_f32())).collect(),
         rescaled: Vec::new(),
@@ -104,6 +110,7 @@ pub fn segment<L: Level>(
         stages,
         convergence: Vec::new(),
         sources,
+        blended: Some(blended),
         outcome,
         sky: Some(sky),
         seconds: vec![(Stage::Measure, started.elapsed())],

@@ -51,6 +51,7 @@ pub fn found(
         }),
         convergence: Vec::new(),
         sources: Vec::new(),
+        blended: None,
         outcome: without_front(extremes),
         sky: None,
         seconds: Vec::new(),

@@ -50,6 +50,8 @@ pub struct Segmentation {
     pub convergence: Vec<f32>,
     /// The catalogue.
     pub sources: Vec<Source>,
+    /// Of every source, whether it was divided from another; none where nothing is divided.
+    pub blended: Option<Vec<bool>>,
     /// What the run found.
     pub outcome: Outcome,
     /// Sky and noise, where the run measured them.
@@ -201,6 +203,7 @@ pub fn segment_in<A: Arithmetic>(
         stages: drive.keep_stages.then_some(stages),
         convergence,
         sources,
+        blended: None,
         outcome,
         sky: None,
         seconds,

@@ -101,12 +101,13 @@ fn a_grainy_galaxy_stays_whole() {
         .map(|(&light, noise)| light + noise * (1.0 + 0.25 * light).sqrt())
         .collect();
     let alone = run(&Detection::DEFAULT, &pixels, side);
-    assert_eq!(alone.outcome.sources, 1);
+    assert_eq!((alone.outcome.sources, alone.blended), (1, Some(vec![false])));
     let mut both = pixels;
     add_star(&mut both, side, (160.0, 128.0), 1.3, 60.0);
     let found = run(&Detection::DEFAULT, &both, side);
     assert_eq!(found.outcome.sources, 2);
     assert_ne!(found.labels[128 * side + 160], found.labels[128 * side + 120]);
+    assert_eq!(found.blended, Some(vec![true, true]));
 }
 
 #[test]
@@ -115,8 +116,9 @@ fn touching_stars_are_apart() {
     let mut pixels = gaussian(12, side * side);
     add_star(&mut pixels, side, (45.0, 48.0), 1.3, 200.0);
     add_star(&mut pixels, side, (50.0, 48.0), 1.3, 30.0);
+    add_star(&mut pixels, side, (70.0, 80.0), 1.3, 30.0);
     let found = run(&Detection::DEFAULT, &pixels, side);
-    assert_eq!(found.outcome.sources, 2);
+    assert_eq!((found.outcome.sources, found.blended), (3, Some(vec![true, true, false])));
     assert_ne!(found.labels[48 * side + 45], found.labels[48 * side + 50]);
 }
 

@@ -126,13 +126,12 @@ impl Catalogue {
             apertures: extras.apertures.clone(),
             zero_point: extras.zero_point,
         };
-        Catalogue {
-            columns: columns(&setting),
-            rows: measure(&scene, &run.sources, &extras, sky.as_ref()),
-            entries: entries(&scene, &extras),
-            sky,
-            refused,
+        let mut rows = measure(&scene, &run.sources, &extras, sky.as_ref());
+        // A deblender knows better than pixels that touch.
+        for (row, &blended) in rows.iter_mut().zip(run.blended.iter().flatten()) {
+            row.flags = row.flags & !flags::BLENDED | if blended { flags::BLENDED } else { 0 };
         }
+        Catalogue { columns: columns(&setting), rows, entries: entries(&scene, &extras), sky, refused }
     }
 
     /// What a user should know before trusting the columns.

@@ -39,8 +39,7 @@ pub fn estimate(pixels: &[f32], labels: &[u32]) -> (f64, f64) {
 pub fn clipped_scatter(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let finite = || values.clone().filter(|value| value.is_finite());
     let step = finite().count().div_ceil(SAMPLE).max(1);
-    let mut sample: Vec<f64> = finite().step_by(step).collect();
-    sample.sort_unstable_by(f64::total_cmp);
+    let sample = sorted(finite().step_by(step));
     let mut sample = sample.as_slice();
     let (mut middle, mut sigma) = spread(sample);
     for _ in 0..ROUNDS {
@@ -53,6 +52,14 @@ pub fn clipped_scatter(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) 
         (middle, sigma) = spread(sample);
     }
     (middle, sigma)
+}
+
+/// Values in the order of `total_cmp`, by whole numbers that sort alike: far fewer instructions.
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let flip = |bits: i64| bits ^ ((bits >> 63) & i64::MAX);
+    let mut ranks: Vec<i64> = values.map(|value| flip(value.to_bits() as i64)).collect();
+    ranks.sort_unstable();
+    ranks.into_iter().map(|rank| f64::from_bits(flip(rank) as u64)).collect()
 }
 
 /// Median and standard deviation of a sorted sample.

@@ -103,6 +103,8 @@ fn step(config: &Config) -> &'static str {
         (Scheme::Fd, _, true) => "fd-band",
         (Scheme::FdCurvature, _, false) => "fd-curvature",
         (Scheme::FdCurvature, _, true) => "fd-curvature-band",
+        (Scheme::FdFiltered, _, false) => "fd-filtered",
+        (Scheme::FdFiltered, _, true) => "fd-filtered-band",
         (Scheme::Sl, false, false) => "sl",
         (Scheme::Sl, false, true) => "sl-band",
         (Scheme::Sl, true, false) => "sl-64",

@@ -21,6 +21,7 @@
 // Marked modules count with numbers of the caller, of a snapshot or of memory that an upset has
 // changed: nothing there may overflow.
 pub mod arithmetic;
+mod beside;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod budget;
 #[deny(clippy::arithmetic_side_effects)]

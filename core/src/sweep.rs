@@ -6,6 +6,7 @@
 //! repeated (homogeneous Neumann conditions), here and nowhere else.
 
 use crate::arithmetic::{Arithmetic, Cell};
+use crate::beside::Beside;
 use crate::machine::Task;
 use crate::tiles::{COLUMNS, Marker, Tiles};
 use core::ops::Range;
@@ -14,12 +15,15 @@ use core::ops::Range;
 pub trait Kernel<A: Arithmetic, const N: usize> {
     /// Whether a new value depends on pixels that are neither in its row nor in its column.
     const CORNERS: bool = true;
+    /// Whether it depends on the neighbours in the other plane too; only in sweeps over tiles.
+    const AROUND: bool = false;
 
     /// Computes one row.
     ///
     /// `old[i]` is the row `i - N/2` rows away, W + N - 1 cells with N/2 repeated cells on each
-    /// side; `aux` is the matching row of the other plane (W cells, or none); `new` starts as the
-    /// old row itself, W cells.
+    /// side; `aux` is the matching row of the other plane (W cells, or none), or with
+    /// [`Self::AROUND`] the three rows around it with a cell on either side, one after another;
+    /// `new` starts as the old row itself, W cells.
     fn row(&mut self, old: &[&[A::Cell]; N], aux: &[A::Cell], new: &mut [A::Cell]);
 
     /// Takes note of what was computed, and may adjust it cell by cell; only in sweeps over tiles.
@@ -72,7 +76,7 @@ pub fn row_of_mut<T>(plane: &mut [T], width: usize, y: usize) -> &mut [T] {
 pub struct Band<'a, C> {
     /// The plane's rows, each of `width` cells.
     pub plane: &'a mut [C],
-    /// The matching rows of the other plane, or empty.
+    /// The matching rows of the other plane, or empty; on a side with a halo one row more.
     pub aux: &'a [C],
     /// At least [`ring_len`] cells: keeps the old rows between two calls of one sweep.
     pub ring: &'a mut [C],
@@ -82,9 +86,14 @@ pub struct Band<'a, C> {
     pub halo: Halo<'a, C>,
 }
 
-impl<C: Copy> Band<'_, C> {
+impl<'a, C: Copy> Band<'a, C> {
     fn height(&self) -> usize {
         self.plane.len() / self.width.max(1)
+    }
+
+    /// The other plane, at the place beside the band's first cell.
+    fn beside(&self) -> Beside<'a, C> {
+        Beside { plane: self.aux, width: self.width, column: 0, row: usize::from(!self.halo.before.is_empty()) }
     }
 
     /// Saves `columns` of row `y`, and `margin` columns on both sides, into the ring; nothing
@@ -184,12 +193,14 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> Task for ActiveRun<'
         let ActiveRun { kernel: shared, band, columns, rows, first, tile_rows, flags } = self;
         // A copy: behind the reference it could change with every cell written.
         let mut kernel = *shared;
+        let first_beside = band.beside();
         let mut run = Run::<A::Cell, N>::new(band, &columns, rows.start);
         for y in rows {
             let marker = Marker::new::<N>(y - first, tile_rows);
             let (old, aux, new) = run.next_row(y);
-            let row = ActiveRow { old, aux, new, flags: &mut *flags, marker };
-            if VECTORS { row.tile_by_tile::<A, K>(&mut kernel) } else { row.in_one::<A, K>(&mut kernel) }
+            let beside = Beside { column: columns.start, row: first_beside.row + y, ..first_beside };
+            let row = ActiveRow { old, aux, beside, new, flags: &mut *flags, marker };
+            if VECTORS || K::AROUND { row.tile_by_tile::<A, K>(&mut kernel) } else { row.in_one::<A, K>(&mut kernel) }
         }
         *shared = kernel;
     }
@@ -202,6 +213,7 @@ const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"))
 struct ActiveRow<'a, C, const N: usize> {
     old: [&'a [C]; N],
     aux: &'a [C],
+    beside: Beside<'a, C>,
     new: &'a mut [C],
     flags: &'a mut [u8],
     marker: Marker,
@@ -212,7 +224,7 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
     /// least code.
     #[inline(always)]
     fn in_one<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K) {
-        let ActiveRow { old, aux, new, flags, marker } = self;
+        let ActiveRow { old, aux, new, flags, marker, .. } = self;
         kernel.row(&old, aux, new);
         let before = centre_of(&old, new.len());
         kernel.settle(before, aux, new);
@@ -226,14 +238,17 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
     /// array stays in registers until it is compared and stored.
     #[inline(always)]
     fn tile_by_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K) {
-        let ActiveRow { old, aux, new, flags, marker } = self;
+        let ActiveRow { old, aux, beside, new, flags, marker } = self;
+        let row = |kernel: &mut K, window: &[&[C]; N], aux: &[C], x: usize, new: &mut [C]| {
+            if K::AROUND { kernel.row(window, &beside.window(x), new) } else { kernel.row(window, aux, new) }
+        };
         let (tiles, rest) = new.as_chunks_mut::<COLUMNS>();
         let (whole, mut x) = (tiles.len(), 0);
         for (flag, new) in flags.iter_mut().zip(tiles) {
             let (Some(window), Some(aux)) = (cut(&old, x), aux.get(x..x + COLUMNS)) else { break };
             let before = *new;
             let mut after = before;
-            kernel.row(&window, aux, &mut after);
+            row(kernel, &window, aux, x, &mut after);
             kernel.settle(&before, aux, &mut after);
             marker.mark::<_, N>(flag, &before, &after);
             *new = after;
@@ -251,7 +266,7 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
                 made_up = whole_tile(shifted(aux, x));
                 &made_up
             };
-            kernel.row(&window, aux, &mut after);
+            row(kernel, &window, aux, x, &mut after);
             for (i, (before, after)) in before.iter_mut().zip(&mut after).enumerate() {
                 if i >= rest.len() {
                     (*before, *after) = Default::default();
@@ -287,6 +302,8 @@ impl<'a, C: Copy, const N: usize> Run<'a, C, N> {
     #[cfg_attr(not(any(target_arch = "x86_64", target_arch = "aarch64")), inline(never))]
     fn new(band: &'a mut Band<'_, C>, columns: &Range<usize>, y: usize) -> Self {
         let (height, width, columns) = (band.height(), band.width, columns.clone());
+        let Beside { plane: beside, row, .. } = band.beside();
+        let aux = beside.get(row * width..).unwrap_or(&[]);
         let mut rows = band.ring.chunks_exact_mut(row_stride(width, N));
         let padded = padded::<N>(&columns);
         let mut slots =
@@ -294,7 +311,7 @@ impl<'a, C: Copy, const N: usize> Run<'a, C, N> {
         // Row r is kept in slot r % N; the last turn before row y begins with the one before y - R.
         slots.rotate_left((y + N - 1 - Self::RADIUS) % N);
         let saved = Saved::new::<N>(width, &columns, Self::RADIUS);
-        Run { plane: band.plane, aux: band.aux, slots, halo: band.halo, columns, saved, width, height }
+        Run { plane: band.plane, aux, slots, halo: band.halo, columns, saved, width, height }
     }
 
     /// Saves the last row that row `y` looks at; the window of old rows around row `y`, the
@@ -449,6 +466,15 @@ pub struct Cross<'a, C> {
     pub below: &'a [C],
     /// y + 1.
     pub above: &'a [C],
+}
+
+impl<C: Copy> Cross<'_, C> {
+    /// The neighbours of each pixel: left, right, below, above.
+    #[inline(always)]
+    pub fn sides(&self) -> impl Iterator<Item = [C; 4]> {
+        let rows = self.left.iter().zip(self.right).zip(self.below).zip(self.above);
+        rows.map(|(((&l, &r), &b), &a)| [l, r, b, a])
+    }
 }
 
 /// The five-point neighbourhood of a window.

@@ -11,6 +11,7 @@ use skyfront_core::segmenter::Evolution;
 use skyfront_core::stop::Change;
 use skyfront_core::sweep::{Band, Halo, ring_len, row_stride};
 use skyfront_core::tiles::{COLUMNS, Tiles};
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -58,7 +59,7 @@ where
     let shared = Shared { shown: [set(), set()], barrier: Barrier::new(fronts.len()) };
     let work = |index: usize, front: &mut [A::Cell], watch: &mut dyn FnMut(u32, &Change<A>)| {
         let height = front.len() / width;
-        let speed = &speed[index * band_rows * width..][..front.len()];
+        let speed = beside(speed, index * band_rows * width..index * band_rows * width + front.len(), width);
         let window = scheme.window();
         let mut ring = vec![A::Cell::default(); ring_len(width, window)];
         let mut flags = vec![0; (width.div_ceil(COLUMNS) + 1) * height.div_ceil(tile_rows)];
@@ -103,6 +104,11 @@ where
         }
         first.map_or((0, none.change), |(index, front)| work(index, front, watch))
     })
+}
+
+/// The part of the other plane that lies beside `cells` of the front, with a row more on every side where it goes on.
+fn beside<C>(plane: &[C], cells: Range<usize>, width: usize) -> &[C] {
+    &plane[cells.start.saturating_sub(width)..(cells.end + width).min(plane.len())]
 }
 
 /// The front in bands of `size` cells; what is left at the end joins the last band where it is

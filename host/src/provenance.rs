@@ -144,6 +144,7 @@ pub fn scheme_name(scheme: Scheme) -> &'static str {
         Scheme::Sl => "sl",
         Scheme::FdCurvature => "fd-curvature",
         Scheme::SlCurvature => "sl-curvature",
+        Scheme::FdFiltered => "fd-filtered",
         Scheme::ChanVese => "chan-vese",
         Scheme::FastMarching => "fast-marching",
     }

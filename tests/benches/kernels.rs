@@ -90,6 +90,7 @@ fn step<A: Arithmetic>(group: &mut Group<'_>, name: &str, scheme: Scheme, band: 
 fn schemes(criterion: &mut Criterion) {
     for (name, scheme) in [
         ("fd", Scheme::Fd),
+        ("fd-filtered", Scheme::FdFiltered),
         ("fd-curvature", Scheme::FdCurvature),
         ("sl", Scheme::Sl),
         ("sl-curvature", Scheme::SlCurvature),

@@ -74,10 +74,12 @@ fn a_segmented_file_gives_the_same_bytes_as_the_demo_and_as_itself() {
 #[test]
 fn every_preset_and_scheme_runs() {
     let (folder, sky) = with_sky("schemes");
-    let runs: [&[&str]; 6] = [
+    let runs: [&[&str]; 8] = [
         &["--preset", "paper-real"],
         &["--preset", "paper-f160", "--scheme", "sl"],
         &["--preset", "paper-f160", "--scheme", "fd-curvature", "--edge", "g1", "--t-max", "1"],
+        &["--preset", "paper-f160", "--scheme", "fd-filtered", "--t-max", "1"],
+        &["--preset", "chan-vese", "--mu", "0.01", "--lambda1", "2"],
         &["--preset", "paper-f160", "--scheme", "sl-curvature", "--t-max", "1", "--directions", "64"],
         &[
             "--preset",

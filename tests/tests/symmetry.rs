@@ -54,12 +54,12 @@ fn check(config: &Config, kind: Kind, seed: u32) {
 #[test]
 fn no_scheme_prefers_a_direction() {
     let strong = Config { rescale: Rescale::R1 { alpha: 0.25 }, nu: 0.3, ..Config::PAPER_F160 };
-    for scheme in [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature] {
+    for scheme in
+        [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature, Scheme::FdFiltered, Scheme::ChanVese]
+    {
         check(&strong.with_scheme(scheme), Kind::Bright, 5);
         check(&strong.with_scheme(scheme), Kind::Stars, 6);
     }
-    check(&strong.with_scheme(Scheme::ChanVese), Kind::Bright, 5);
-    check(&strong.with_scheme(Scheme::ChanVese), Kind::Stars, 6);
     check(&Config { directions: 64, ..strong.with_scheme(Scheme::Sl) }, Kind::Bright, 5);
 }
 

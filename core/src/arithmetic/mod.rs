@@ -168,7 +168,7 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + Send + Sync + 's
         Self::to_level(v - (courant * Self::pixel(g)) * gradient)
     }
 
-    /// The unit vector along `(x, y)`, or `None` where its length is at most `least > 0`.
+    /// The unit vector along `(x, y)`, or `None` where its length is at most `least`, or 0.
     fn unit(x: Self::Real, y: Self::Real, least: Self::Real) -> Option<(Self::Real, Self::Real)>;
     /// `x^p` for x in [0, 1].
     fn pow(x: Self::Real, p: Exponent) -> Self::Real;

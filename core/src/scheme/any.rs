@@ -1,6 +1,6 @@
 //! The scheme chosen at run time.
 
-use super::{ChanVese, Evolve, Fd, FdCurvature, Marching, Sl, SlCurvature, Step};
+use super::{ChanVese, Evolve, Fd, FdCurvature, FdFiltered, Marching, Sl, SlCurvature, Step};
 use crate::arithmetic::Arithmetic;
 use crate::config::{Config, Scheme};
 use crate::sweep::Band;
@@ -14,6 +14,8 @@ pub enum AnyScheme<A: Arithmetic> {
     Fd(Fd<A>),
     /// `DFgk`.
     FdCurvature(FdCurvature<A>),
+    /// `DFg`, filtered, second order.
+    FdFiltered(FdFiltered<A>),
     /// `SLg`, 16 directions.
     Sl(Sl<A>),
     /// `SLg`, 64 directions.
@@ -34,6 +36,7 @@ macro_rules! each {
         match $any {
             AnyScheme::Fd($scheme) => $expression,
             AnyScheme::FdCurvature($scheme) => $expression,
+            AnyScheme::FdFiltered($scheme) => $expression,
             AnyScheme::Sl($scheme) => $expression,
             AnyScheme::SlFine($scheme) => $expression,
             AnyScheme::SlCurvature($scheme) => $expression,
@@ -52,6 +55,7 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
         match (config.scheme, fine) {
             (Scheme::Fd, _) => Fd::new(config, unit).map(AnyScheme::Fd),
             (Scheme::FdCurvature, _) => FdCurvature::new(config, unit).map(AnyScheme::FdCurvature),
+            (Scheme::FdFiltered, _) => FdFiltered::new(config, unit).map(AnyScheme::FdFiltered),
             (Scheme::Sl, false) => Sl::new(config, unit).map(AnyScheme::Sl),
             (Scheme::Sl, true) => Sl::new(config, unit).map(AnyScheme::SlFine),
             (Scheme::ChanVese, _) => ChanVese::new(config, unit).map(AnyScheme::ChanVese),

@@ -23,10 +23,10 @@
 //! that touches the energy and lies above it (h is concave in s^2, and the weighted Laplacian is at
 //! most twice its diagonal), so the energy never rises, whatever dt; nor does it with new means.
 
-use super::{Evolve, Step};
+use super::{Evolve, Step, corners};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
-use crate::sweep::{Band, Cross, Kernel, advance_active, cross, shifted};
+use crate::sweep::{Band, Cross, Kernel, advance_active, cross};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -66,11 +66,9 @@ impl<A: Arithmetic> Kernel<A, 3> for Sweep<A> {
     fn row(&mut self, old: &[&[A::Cell]; 3], image: &[A::Cell], new: &mut [A::Cell]) {
         let Sweep { scheme, c1, c2, .. } = *self;
         let Cross { centre, left, right, below, above } = cross(old);
-        let [row_below, _, row_above] = *old;
-        let corners = row_below.iter().zip(shifted(row_below, 2)).zip(row_above).zip(shifted(row_above, 2));
         let sides = centre.iter().zip(left).zip(right).zip(below).zip(above);
-        for (((new, ((((&v, &l), &r), &b), &a)), (((&bl, &br), &al), &ar)), &pixel) in
-            new.iter_mut().zip(sides).zip(corners).zip(image)
+        for (((new, ((((&v, &l), &r), &b), &a)), [bl, br, al, ar]), &pixel) in
+            new.iter_mut().zip(sides).zip(corners(old)).zip(image)
         {
             let v = A::level(v);
             let [l, r, b, a] = [l, r, b, a].map(|cell| A::level(cell) - v);

@@ -1,9 +1,9 @@
 //! Finite differences with curvature: `v - dt g |grad v| (1 - nu k)` (`DFgk`).
 
-use super::{Evolve, Step, flat_limit, tracked};
+use super::{Evolve, Step, corners, flat_limit, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, CurvatureForm, Scheme};
-use crate::sweep::{Band, Cross, Kernel, cross, shifted};
+use crate::sweep::{Band, Cross, Kernel, cross};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -59,17 +59,17 @@ impl<A: Arithmetic> Kernel<A, 3> for FdCurvature<A> {
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
         let scheme = *self;
         let Cross { centre, left, right, below, above } = cross(old);
-        let [row_below, _, row_above] = *old;
-        let corners = row_below
-            .iter()
-            .zip(shifted(row_below, 2))
-            .zip(row_above)
-            .zip(shifted(row_above, 2))
-            .map(|(((&bl, &br), &al), &ar)| [bl, br, al, ar].map(A::level));
         let sides = centre.iter().zip(left).zip(right).zip(below).zip(above);
-        for (((new, ((((&v, &l), &r), &b), &a)), corners), &g) in new.iter_mut().zip(sides).zip(corners).zip(speed) {
+        for (((new, ((((&v, &l), &r), &b), &a)), corners), &g) in new.iter_mut().zip(sides).zip(corners(old)).zip(speed)
+        {
             let v = A::level(v);
-            let n = Around { l: A::level(l), r: A::level(r), b: A::level(b), a: A::level(a), corners };
+            let n = Around {
+                l: A::level(l),
+                r: A::level(r),
+                b: A::level(b),
+                a: A::level(a),
+                corners: corners.map(A::level),
+            };
             let gradient = A::descent([v - n.l, v - n.r, v - n.b, v - n.a]);
             let g = A::pixel(g);
             *new = A::to_level(v - (scheme.courant * g) * gradient + g * scheme.curvature(v, &n));

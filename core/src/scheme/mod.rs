@@ -7,6 +7,7 @@ mod any;
 mod chan_vese;
 mod fd;
 mod fd_curvature;
+mod fd_filtered;
 mod marching;
 mod preset;
 mod sl;
@@ -16,6 +17,7 @@ pub use any::AnyScheme;
 pub use chan_vese::ChanVese;
 pub use fd::Fd;
 pub use fd_curvature::FdCurvature;
+pub use fd_filtered::FdFiltered;
 pub use marching::Marching;
 pub(crate) use preset::Chosen;
 pub use preset::{Fixed, Preset};
@@ -27,7 +29,7 @@ use crate::config::{Config, Scheme};
 use crate::region::Means;
 use crate::settle::Settle;
 use crate::stop::Change;
-use crate::sweep::{Band, Kernel, advance_active};
+use crate::sweep::{Band, Kernel, advance_active, shifted};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -75,6 +77,7 @@ struct Tracked<A: Arithmetic, K> {
 
 impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<A, K> {
     const CORNERS: bool = K::CORNERS;
+    const AROUND: bool = K::AROUND;
 
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; N], speed: &[A::Cell], new: &mut [A::Cell]) {
@@ -105,4 +108,13 @@ fn tracked<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize>(
 /// `|D^c| <= degenerate dx`, as `|(r - l) / 2|` in units of the front plane.
 fn flat_limit<A: Arithmetic>(config: &Config, unit: f32) -> A::Real {
     A::Real::of(config.degenerate * config.dx * config.dx * unit)
+}
+
+/// The corners of each pixel in a window of three padded rows: below left and right, above left
+/// and right.
+#[inline(always)]
+fn corners<'a, C: Copy>(old: &[&'a [C]; 3]) -> impl Iterator<Item = [C; 4]> + use<'a, C> {
+    let [below, _, above] = *old;
+    let rows = below.iter().zip(shifted(below, 2)).zip(above).zip(shifted(above, 2));
+    rows.map(|(((&bl, &br), &al), &ar)| [bl, br, al, ar])
 }

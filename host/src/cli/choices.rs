@@ -162,6 +162,7 @@ pub enum SchemeOption {
     Sl,
     FdCurvature,
     SlCurvature,
+    FdFiltered,
     ChanVese,
     FastMarching,
 }

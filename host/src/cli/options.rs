@@ -109,7 +109,7 @@ pub struct Options {
     /// Width of a pixel in the paper's unit [default: 0.1].
     #[arg(long, help_heading = "Front")]
     pub dx: Option<f64>,
-    /// Time step [default: dx/4 for fd, dx^2 for fd-curvature, dx for sl and sl-curvature,
+    /// Time step [default: dx/4 for fd and fd-filtered, dx^2 for fd-curvature, dx for sl and sl-curvature,
     /// 8 for chan-vese].
     #[arg(long, help_heading = "Front")]
     pub dt: Option<f64>,
@@ -184,6 +184,7 @@ impl Options {
             SchemeOption::Sl => Scheme::Sl,
             SchemeOption::FdCurvature => Scheme::FdCurvature,
             SchemeOption::SlCurvature => Scheme::SlCurvature,
+            SchemeOption::FdFiltered => Scheme::FdFiltered,
             SchemeOption::ChanVese => Scheme::ChanVese,
             SchemeOption::FastMarching => Scheme::FastMarching,
         });

@@ -37,6 +37,7 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Scheme::Sl => r::Scheme::Sl,
             c::Scheme::FdCurvature => r::Scheme::FdCurvature,
             c::Scheme::SlCurvature => r::Scheme::SlCurvature,
+            c::Scheme::FdFiltered => r::Scheme::FdFiltered,
             c::Scheme::ChanVese => r::Scheme::ChanVese,
         },
         nu: decimal(config.nu),

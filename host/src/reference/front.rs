@@ -1,6 +1,6 @@
 //! Step 5: the front from u0 until it stops (`critarr`).
 
-use super::{Parameters, Plane, Scheme, Stop, chan_vese, fd, fd_curvature, sl, sl_curvature};
+use super::{Parameters, Plane, Scheme, Stop, chan_vese, fd, fd_curvature, fd_filtered, sl, sl_curvature};
 
 /// What ended an evolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +71,7 @@ pub(super) fn outside(image: &Plane, level: f64, margin: f64) -> Plane {
 pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
     match p.scheme {
         Scheme::Fd => fd::step(p, g, v),
+        Scheme::FdFiltered => fd_filtered::step(p, g, v),
         Scheme::FdCurvature => fd_curvature::step(p, g, v),
         Scheme::Sl => sl::step(p, g, v),
         Scheme::SlCurvature => sl_curvature::step(p, g, v),

@@ -22,6 +22,7 @@ mod edge;
 mod error;
 mod fd;
 mod fd_curvature;
+mod fd_filtered;
 mod filter;
 mod front;
 mod normalize;

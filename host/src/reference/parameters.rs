@@ -121,6 +121,8 @@ pub enum Scheme {
     FdCurvature,
     /// `SLgk`.
     SlCurvature,
+    /// `DFg` by the filtered scheme of Falcone, Paolucci and Tozza (arXiv:1812.03026).
+    FdFiltered,
     /// Active contours without edges (T. F. Chan, L. A. Vese 2001, DOI 10.1109/83.902291).
     ChanVese,
 }
@@ -129,7 +131,7 @@ impl Scheme {
     /// The paper's time step: dx/4, dx, dx^2, dx.
     pub fn paper_dt(self, dx: f64) -> f64 {
         match self {
-            Scheme::Fd => dx / 4.0,
+            Scheme::Fd | Scheme::FdFiltered => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
             Scheme::ChanVese => 8.0,
@@ -273,6 +275,7 @@ impl Parameters {
         }
         match self.scheme {
             Scheme::Fd | Scheme::FdCurvature => ask(at_most(self.dt, dx / 2.0), "dt", self.dt, "at most dx/2")?,
+            Scheme::FdFiltered => ask(at_most(self.dt, 0.4 * dx), "dt", self.dt, "at most 2/5 dx")?,
             Scheme::Sl | Scheme::SlCurvature => ask(at_most(self.dt, dx), "dt", self.dt, "at most dx")?,
             Scheme::ChanVese => ask(self.dt > 0.0 && self.dt.is_finite(), "dt", self.dt, "positive")?,
         }

@@ -77,7 +77,7 @@ static PRESETS: [Preset; 3] = [
 
 /// Every motion there is: what stands here has golden digests, and is tried by the tests of snapshots, upsets,
 /// budgets, memory and slices.
-pub static MOTIONS: [Motion; 7] = [
+pub static MOTIONS: [Motion; 8] = [
     Motion { name: "fd", scheme: Scheme::Fd, start: Start::Frame },
     Motion { name: "fd-curvature", scheme: Scheme::FdCurvature, start: Start::Frame },
     Motion { name: "sl", scheme: Scheme::Sl, start: Start::Frame },
@@ -85,6 +85,7 @@ pub static MOTIONS: [Motion; 7] = [
     Motion { name: "fast-marching", scheme: Scheme::FastMarching, start: Start::Frame },
     Motion { name: "near", scheme: Scheme::Fd, start: Start::Threshold { margin: 3.0 } },
     Motion { name: "chan-vese", scheme: Scheme::ChanVese, start: Start::Threshold { margin: 1.0 } },
+    Motion { name: "fd-filtered", scheme: Scheme::FdFiltered, start: Start::Frame },
 ];
 
 impl Motion {

@@ -47,6 +47,19 @@ pub fn needs(config: &Config, arithmetic: &str, pixels: usize) -> Vec<Need> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use skyfront_core::config::{Rescale, Scheme, Start};
+
+    #[test]
+    fn every_scheme_and_start_has_its_costs() {
+        for scheme in [Scheme::Fd, Scheme::FdCurvature, Scheme::Sl, Scheme::SlCurvature, Scheme::FastMarching] {
+            for start in [Start::Frame, Start::Threshold { margin: 2.0 }] {
+                let config = Config { start, rescale: Rescale::None, ..Config::PAPER_F160.with_scheme(scheme) };
+                for need in needs(&config, "f32", 300 * 300) {
+                    assert!(need.unknown.is_empty(), "{scheme:?}: {need:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn the_papers_frame_on_every_machine_that_counts() {

@@ -76,9 +76,9 @@ const RESCALES: [Rescale; 5] = [
     Rescale::R3 { beta: 8, tau: Tau::Noise { k: 3.0 } },
 ];
 
-/// Every scheme that moves by steps, with every number of directions. What a pass of fast marching costs
-/// depends on the image.
-const SCHEMES: [(Scheme, u8); 6] = [
+/// Every scheme, with every number of directions.
+const SCHEMES: [(Scheme, u8); 7] = [
+    (Scheme::FastMarching, 16),
     (Scheme::Fd, 16),
     (Scheme::FdCurvature, 16),
     (Scheme::Sl, 16),
@@ -154,7 +154,9 @@ fn measure<A: Arithmetic>(
     count: &mut impl FnMut() -> u64,
     items: &mut Items,
 ) {
-    let config = Config { t_max: 2.0 * config.dt, band: config.band.or(A::NEEDS_BAND), ..config };
+    // Two steps of a front do all that a step can; a march has to come to the sources.
+    let t_max = if config.scheme == Scheme::FastMarching { config.t_max } else { 2.0 * config.dt };
+    let config = Config { t_max, band: config.band.or(A::NEEDS_BAND), ..config };
     let memory = planes.memory();
     if let Some(mask) = mask {
         give::<A>(mask, memory.front);

@@ -77,7 +77,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 let at_rest = self.rule.at_rest(&state.change);
                 let moved = state.change.regions;
                 state.change = Change::none(&self.rule);
-                if state.regions.turn(&moved) {
+                if self.config.scheme == Scheme::ChanVese && state.regions.turn(&moved) {
                     Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
                 }
                 if at_rest {
@@ -113,7 +113,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             }
             (Stage::Front, _) => state.regions = Regions::NONE,
             (Stage::Evolve, _) => {
-                state.regions.turn(&Moments::default());
+                if self.config.scheme == Scheme::ChanVese {
+                    state.regions.turn(&Moments::default());
+                }
                 Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
             }
             (Stage::Measure, _) => {

@@ -34,8 +34,8 @@ pub fn program<A: Arithmetic, S: Evolve<A>>(mut line: Console, scheme: Scheme, r
     let config = black_box(Config { band: A::NEEDS_BAND, ..Config::PAPER_F160.with_scheme(scheme) });
     let size = black_box((WIDTH, HEIGHT));
     let outcome = run::<A, S, _>(&config, size, &mut Disc, room.memory(), HEIGHT, |_, _, _| {});
-    report::resource(&mut line, &["steps"], outcome.map_or(0, |outcome| u64::from(outcome.steps)), "steps");
-    report::resource(&mut line, &["stack"], machine::stack_used() as u64, "bytes");
+    report::resource(&mut line, &["steps"], outcome.map_or(0, |outcome| outcome.steps), "steps");
+    report::resource(&mut line, &["stack"], machine::stack_used() as u32, "bytes");
     report::done(&mut line);
 }
 

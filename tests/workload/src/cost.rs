@@ -77,8 +77,9 @@ const RESCALES: [Rescale; 5] = [
 ];
 
 /// Every scheme, with every number of directions.
-const SCHEMES: [(Scheme, u8); 7] = [
+const SCHEMES: [(Scheme, u8); 8] = [
     (Scheme::FastMarching, 16),
+    (Scheme::ChanVese, 16),
     (Scheme::Fd, 16),
     (Scheme::FdCurvature, 16),
     (Scheme::Sl, 16),

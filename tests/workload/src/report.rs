@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 /// The most digits of a number.
-const DIGITS: usize = 20;
+const DIGITS: usize = 10;
 
 /// `digest NAME 1a2b3c4d`: the CRC-32 of a stage's bytes. The parts of the name are joined by `/`.
 pub fn digest(line: &mut impl Write, name: &[&str], crc: u32) {
@@ -13,8 +13,8 @@ pub fn digest(line: &mut impl Write, name: &[&str], crc: u32) {
     end(line, "");
 }
 
-/// `resource NAME VALUE UNIT`.
-pub fn resource(line: &mut impl Write, name: &[&str], value: u64, unit: &str) {
+/// `resource NAME VALUE UNIT`; 32 bits, because the division of longer words would be a part of small programs too.
+pub fn resource(line: &mut impl Write, name: &[&str], value: u32, unit: &str) {
     start(line, "resource", name);
     let (mut digits, mut rest, mut count) = ([0; DIGITS], value, 0);
     for digit in &mut digits {

@@ -54,7 +54,7 @@ fn segment(line: &mut Console) -> Option<()> {
     while !map.poll(frame.memory(), run.front()).ok()? {
         heartbeat.beat().ok()?;
     }
-    report::resource(line, &["sources"], run.catalog().len() as u64, "sources");
+    report::resource(line, &["sources"], run.catalog().len() as u32, "sources");
     report::digest(line, &["flight", "catalog"], bits::catalog_digest(run.catalog()));
     Some(())
 }

@@ -96,7 +96,7 @@ fn panic(reason: &PanicInfo) -> ! {
 #[unsafe(no_mangle)]
 extern "C" fn fault(cause: usize) -> ! {
     // Without `writeln!`, so that a program that cannot panic carries no formatting at all.
-    report::resource(&mut Console, &["fault"], cause as u64, "(the processor's number)");
+    report::resource(&mut Console, &["fault"], cause as u32, "(the processor's number)");
     stop()
 }
 

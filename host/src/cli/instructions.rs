@@ -51,9 +51,15 @@ mod tests {
 
     #[test]
     fn every_scheme_and_start_has_its_costs() {
-        for scheme in
-            [Scheme::Fd, Scheme::FdCurvature, Scheme::Sl, Scheme::SlCurvature, Scheme::FastMarching, Scheme::ChanVese]
-        {
+        for scheme in [
+            Scheme::Fd,
+            Scheme::FdFiltered,
+            Scheme::FdCurvature,
+            Scheme::Sl,
+            Scheme::SlCurvature,
+            Scheme::FastMarching,
+            Scheme::ChanVese,
+        ] {
             for start in [Start::Frame, Start::Threshold { margin: 2.0 }] {
                 let config = Config { start, rescale: Rescale::None, ..Config::PAPER_F160.with_scheme(scheme) };
                 for need in needs(&config, "f32", 300 * 300) {

@@ -77,10 +77,11 @@ const RESCALES: [Rescale; 5] = [
 ];
 
 /// Every scheme, with every number of directions.
-const SCHEMES: [(Scheme, u8); 8] = [
+const SCHEMES: [(Scheme, u8); 9] = [
     (Scheme::FastMarching, 16),
     (Scheme::ChanVese, 16),
     (Scheme::Fd, 16),
+    (Scheme::FdFiltered, 16),
     (Scheme::FdCurvature, 16),
     (Scheme::Sl, 16),
     (Scheme::Sl, 64),

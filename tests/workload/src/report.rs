@@ -72,10 +72,9 @@ mod tests {
         let mut text = String::new();
         digest(&mut text, &["f32", "fd"], 0x00AB_CDEF);
         resource(&mut text, &["stack"], 0, "bytes");
-        resource(&mut text, &["a", "b", "c"], u64::MAX, "steps");
+        resource(&mut text, &["a", "b", "c"], u32::MAX, "steps");
         done(&mut text);
-        let wanted =
-            "digest f32/fd 00abcdef\nresource stack 0 bytes\nresource a/b/c 18446744073709551615 steps\ndone\n";
+        let wanted = "digest f32/fd 00abcdef\nresource stack 0 bytes\nresource a/b/c 4294967295 steps\ndone\n";
         assert_eq!(text, wanted);
     }
 }

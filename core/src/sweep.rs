@@ -209,6 +209,9 @@ impl<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize> Task for ActiveRun<'
 /// Whether the processor has vector units, which want loops of constant length.
 const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
 
+/// Cells of the pieces that wide rows are worked on in.
+const WIDE: usize = 4 * COLUMNS;
+
 /// A row of a run of tiles.
 struct ActiveRow<'a, C, const N: usize> {
     old: [&'a [C]; N],
@@ -234,48 +237,73 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
         }
     }
 
-    /// Tile by tile: loops of constant length become vectors, and what is computed in a tile's own
-    /// array stays in registers until it is compared and stored.
+    /// Four tiles at a time, then tile by tile: loops of constant length become vectors, and what
+    /// waits for a square root in one tile is worked on in the next.
     #[inline(always)]
-    fn tile_by_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K) {
-        let ActiveRow { old, aux, beside, new, flags, marker } = self;
-        let row = |kernel: &mut K, window: &[&[C]; N], aux: &[C], x: usize, new: &mut [C]| {
-            if K::AROUND { kernel.row(window, &beside.window(x), new) } else { kernel.row(window, aux, new) }
-        };
-        let (tiles, rest) = new.as_chunks_mut::<COLUMNS>();
-        let (whole, mut x) = (tiles.len(), 0);
-        for (flag, new) in flags.iter_mut().zip(tiles) {
-            let (Some(window), Some(aux)) = (cut(&old, x), aux.get(x..x + COLUMNS)) else { break };
-            let before = *new;
-            let mut after = before;
-            row(kernel, &window, aux, x, &mut after);
-            kernel.settle(&before, aux, &mut after);
-            marker.mark::<_, N>(flag, &before, &after);
-            *new = after;
+    fn tile_by_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(mut self, kernel: &mut K) {
+        let mut x = 0;
+        while !K::AROUND && self.tiles::<A, K, WIDE>(kernel, x) {
+            x += WIDE;
+        }
+        while self.tiles::<A, K, COLUMNS>(kernel, x) {
             x += COLUMNS;
         }
-        // The frame's last tile, made up to a whole one: whatever lies behind the frame does
-        // not count, and nothing changes there.
-        if let (false, Some(flag), Some(window)) = (rest.is_empty(), flags.get_mut(whole), cut(&old, x)) {
-            let mut before = whole_tile(centre_of(&window, COLUMNS));
-            let mut after = before;
-            let made_up;
-            let aux = if let Some(aux) = aux.get(x..x + COLUMNS) {
-                aux
-            } else {
-                made_up = whole_tile(shifted(aux, x));
-                &made_up
-            };
-            row(kernel, &window, aux, x, &mut after);
-            for (i, (before, after)) in before.iter_mut().zip(&mut after).enumerate() {
-                if i >= rest.len() {
-                    (*before, *after) = Default::default();
-                }
-            }
-            kernel.settle(&before, aux, &mut after);
-            marker.mark::<_, N>(flag, &before, &after);
-            rest.iter_mut().zip(after).for_each(|(new, after)| *new = after);
+        self.last_tile::<A, K>(kernel, x);
+    }
+
+    /// The `W` cells from cell `x` on, whole tiles; `false` where the row has no more so many.
+    #[inline(always)]
+    fn tiles<A: Arithmetic<Cell = C>, K: Kernel<A, N>, const W: usize>(&mut self, kernel: &mut K, x: usize) -> bool {
+        let Some(new) = self.new.get_mut(x..x + W) else { return false };
+        let (Some(window), Some(aux)) = (cut::<C, N, W>(&self.old, x), self.aux.get(x..x + W)) else { return false };
+        if K::AROUND {
+            kernel.row(&window, &self.beside.window(x), new);
+        } else {
+            kernel.row(&window, aux, new);
         }
+        let before = centre_of(&window, W);
+        kernel.settle(before, aux, new);
+        let flags = self.flags.get_mut(x / COLUMNS..(x + W) / COLUMNS).unwrap_or(&mut []);
+        let cells = before.as_chunks::<COLUMNS>().0.iter().zip(new.as_chunks::<COLUMNS>().0);
+        for (flag, (before, after)) in flags.iter_mut().zip(cells) {
+            self.marker.mark::<_, N>(flag, before, after);
+        }
+        true
+    }
+
+    /// The frame's last tile, made up to a whole one: whatever lies behind the frame does not
+    /// count, and nothing changes there.
+    #[inline(always)]
+    fn last_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K, x: usize) {
+        let rest = self.new.get_mut(x..).unwrap_or(&mut []);
+        let (Some(flag), Some(window)) = (self.flags.get_mut(x / COLUMNS), cut::<C, N, COLUMNS>(&self.old, x)) else {
+            return;
+        };
+        if rest.is_empty() {
+            return;
+        }
+        let mut before = whole_tile(centre_of(&window, COLUMNS));
+        let mut after = before;
+        let made_up;
+        let aux = if let Some(aux) = self.aux.get(x..x + COLUMNS) {
+            aux
+        } else {
+            made_up = whole_tile(shifted(self.aux, x));
+            &made_up
+        };
+        if K::AROUND {
+            kernel.row(&window, &self.beside.window(x), &mut after);
+        } else {
+            kernel.row(&window, aux, &mut after);
+        }
+        for (i, (before, after)) in before.iter_mut().zip(&mut after).enumerate() {
+            if i >= rest.len() {
+                (*before, *after) = Default::default();
+            }
+        }
+        kernel.settle(&before, aux, &mut after);
+        self.marker.mark::<_, N>(flag, &before, &after);
+        rest.iter_mut().zip(after).for_each(|(new, after)| *new = after);
     }
 }
 
@@ -325,34 +353,39 @@ impl<'a, C: Copy, const N: usize> Run<'a, C, N> {
         }
         let mut old = self.slots.each_ref().map(|slot| &**slot);
         if y < Self::RADIUS || y + Self::RADIUS >= self.height {
-            old = self.beyond(y, old);
+            // A copy: what other functions are lent must lie in memory, and with it all of the run.
+            let halo = self.halo;
+            old = beyond(&halo, (padded::<N>(&self.columns), row_stride(self.width, N)), (y, self.height), old);
         }
         let start = y * self.width + self.columns.start;
         let cells = start..start + self.columns.len();
         let tiles = start..(start + self.columns.len().next_multiple_of(COLUMNS)).min(self.aux.len());
         (old, self.aux.get(tiles).unwrap_or(&[]), self.plane.get_mut(cells).unwrap_or(&mut []))
     }
+}
 
-    /// A window that reaches beyond the band: there are the halo's rows, or the edge is repeated.
-    fn beyond<'s>(&self, y: usize, inside: [&'s [C]; N]) -> [&'s [C]; N]
-    where
-        'a: 's,
-    {
-        let (padded, stride) = (padded::<N>(&self.columns), row_stride(self.width, N));
-        let halo_row = |rows: &'s [C], row| row_of(rows, stride, row).get(padded.clone()).unwrap_or(&[]);
-        let (before, after) = (self.halo.before, self.halo.after);
-        core::array::from_fn(|i| {
-            let row = y + i;
-            if row < Self::RADIUS && !before.is_empty() {
-                halo_row(before, row)
-            } else if row >= self.height + Self::RADIUS && !after.is_empty() {
-                halo_row(after, row - self.height - Self::RADIUS)
-            } else {
-                let nearest = row.max(Self::RADIUS).min(self.height + Self::RADIUS - 1) - y;
-                inside.get(nearest).copied().unwrap_or(&[])
-            }
-        })
-    }
+/// A window around row `y` of `height` that reaches beyond the band: there are the halo's rows, of
+/// `stride` cells, of which it takes the `padded` ones, or the edge is repeated.
+#[inline(never)]
+fn beyond<'s, C, const N: usize>(
+    halo: &Halo<'s, C>,
+    (padded, stride): (Range<usize>, usize),
+    (y, height): (usize, usize),
+    inside: [&'s [C]; N],
+) -> [&'s [C]; N] {
+    let radius = N / 2;
+    let halo_row = |rows: &'s [C], row| row_of(rows, stride, row).get(padded.clone()).unwrap_or(&[]);
+    core::array::from_fn(|i| {
+        let row = y + i;
+        if row < radius && !halo.before.is_empty() {
+            halo_row(halo.before, row)
+        } else if row >= height + radius && !halo.after.is_empty() {
+            halo_row(halo.after, row - height - radius)
+        } else {
+            let nearest = row.max(radius).min(height + radius - 1) - y;
+            inside.get(nearest).copied().unwrap_or(&[])
+        }
+    })
 }
 
 /// Moves every slot one place forward, and the first to the end; much less code than the library's
@@ -394,16 +427,17 @@ impl Saved {
         let Some(saved) = slot.get_mut(self.padding..self.padding + cells.len()) else { return };
         copy(cells, saved);
         if self.edges != [0; 2] {
-            self.repeat(slot, cells);
+            repeat(slot, cells, self.padding, self.edges);
         }
     }
+}
 
-    /// Repeats the frame's edge beside saved `cells`.
-    fn repeat<C: Copy>(&self, slot: &mut [C], cells: &[C]) {
-        let (Some(left), Some(right)) = (cells.first(), cells.last()) else { return };
-        slot.iter_mut().take(self.edges[0]).for_each(|cell| *cell = *left);
-        slot.iter_mut().skip(self.padding + cells.len()).take(self.edges[1]).for_each(|cell| *cell = *right);
-    }
+/// Repeats the frame's edges beside saved `cells`, so often before and behind them.
+#[inline(never)]
+fn repeat<C: Copy>(slot: &mut [C], cells: &[C], padding: usize, [before, behind]: [usize; 2]) {
+    let (Some(left), Some(right)) = (cells.first(), cells.last()) else { return };
+    slot.iter_mut().take(before).for_each(|cell| *cell = *left);
+    slot.iter_mut().skip(padding + cells.len()).take(behind).for_each(|cell| *cell = *right);
 }
 
 /// Copies cells, `from` and `to` being of one length, in whole tiles: where there are vectors the
@@ -419,12 +453,12 @@ fn copy<C: Copy>(from: &[C], to: &mut [C]) {
     }
 }
 
-/// The window of one tile in a window of rows.
+/// The window of `W` cells in a window of rows.
 #[inline(always)]
-fn cut<'a, C, const N: usize>(rows: &[&'a [C]; N], x: usize) -> Option<[&'a [C]; N]> {
+fn cut<'a, C, const N: usize, const W: usize>(rows: &[&'a [C]; N], x: usize) -> Option<[&'a [C]; N]> {
     let mut cut: [&[C]; N] = [&[]; N];
     for (cut, row) in cut.iter_mut().zip(rows) {
-        *cut = row.get(x..x + (COLUMNS + N - 1))?;
+        *cut = row.get(x..x + (W + N - 1))?;
     }
     Some(cut)
 }

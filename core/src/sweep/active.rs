@@ -1,0 +1,133 @@
+//! A row of active tiles: the kernel, the settling of what it computed, and the marks of what changed.
+
+use super::{Kernel, centre_of, shifted};
+use crate::arithmetic::{Arithmetic, Cell};
+use crate::beside::Beside;
+use crate::tiles::{COLUMNS, Marker};
+
+/// Whether the processor has vector units, which want loops of constant length.
+pub(super) const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
+
+/// Cells of the pieces that wide rows are worked on in.
+const WIDE: usize = 4 * COLUMNS;
+
+/// A row of a run of tiles.
+pub(super) struct ActiveRow<'a, C, const N: usize> {
+    pub old: [&'a [C]; N],
+    pub aux: &'a [C],
+    pub beside: Beside<'a, C>,
+    pub new: &'a mut [C],
+    pub flags: &'a mut [u8],
+    pub marker: Marker,
+}
+
+impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
+    /// The whole row, then its marks: the least instructions where there are no vectors, and the
+    /// least code.
+    #[inline(always)]
+    pub fn in_one<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K) {
+        let ActiveRow { old, aux, new, flags, marker, .. } = self;
+        kernel.row(&old, aux, new);
+        let before = centre_of(&old, new.len());
+        kernel.settle(before, aux, new);
+        let pieces = before.chunks(COLUMNS).zip(new.chunks(COLUMNS));
+        for (flag, (before, after)) in flags.iter_mut().zip(pieces) {
+            marker.mark::<_, N>(flag, before, after);
+        }
+    }
+
+    /// Four tiles at a time, then tile by tile: loops of constant length become vectors, and what
+    /// waits for a square root in one tile is worked on in the next.
+    #[inline(always)]
+    pub fn tile_by_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(mut self, kernel: &mut K) {
+        let mut x = 0;
+        // What looks around in the other plane sees one tile of it at a time.
+        while !K::AROUND && self.tiles::<A, K, WIDE>(kernel, x) {
+            x += WIDE;
+        }
+        while self.tiles::<A, K, COLUMNS>(kernel, x) {
+            x += COLUMNS;
+        }
+        self.last_tile::<A, K>(kernel, x);
+    }
+
+    /// The `W` cells from cell `x` on, whole tiles; `false` where the row has no more so many.
+    #[inline(always)]
+    fn tiles<A: Arithmetic<Cell = C>, K: Kernel<A, N>, const W: usize>(&mut self, kernel: &mut K, x: usize) -> bool {
+        let Some(new) = self.new.get_mut(x..x + W) else { return false };
+        let (Some(window), Some(aux)) = (cut::<C, N, W>(&self.old, x), self.aux.get(x..x + W)) else { return false };
+        compute::<A, K, N>(kernel, &window, (aux, self.beside, x), new);
+        let before = centre_of(&window, W);
+        kernel.settle(before, aux, new);
+        let flags = self.flags.get_mut(x / COLUMNS..(x + W) / COLUMNS).unwrap_or(&mut []);
+        let cells = before.as_chunks::<COLUMNS>().0.iter().zip(new.as_chunks::<COLUMNS>().0);
+        for (flag, (before, after)) in flags.iter_mut().zip(cells) {
+            self.marker.mark::<_, N>(flag, before, after);
+        }
+        true
+    }
+
+    /// The frame's last tile, made up to a whole one: whatever lies behind the frame does not
+    /// count, and nothing changes there.
+    #[inline(always)]
+    fn last_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(self, kernel: &mut K, x: usize) {
+        let rest = self.new.get_mut(x..).unwrap_or(&mut []);
+        let (Some(flag), Some(window)) = (self.flags.get_mut(x / COLUMNS), cut::<C, N, COLUMNS>(&self.old, x)) else {
+            return;
+        };
+        if rest.is_empty() {
+            return;
+        }
+        let mut before = whole_tile(centre_of(&window, COLUMNS));
+        let mut after = before;
+        let made_up;
+        let aux = if let Some(aux) = self.aux.get(x..x + COLUMNS) {
+            aux
+        } else {
+            made_up = whole_tile(shifted(self.aux, x));
+            &made_up
+        };
+        compute::<A, K, N>(kernel, &window, (aux, self.beside, x), &mut after);
+        for (i, (before, after)) in before.iter_mut().zip(&mut after).enumerate() {
+            if i >= rest.len() {
+                (*before, *after) = Default::default();
+            }
+        }
+        kernel.settle(&before, aux, &mut after);
+        self.marker.mark::<_, N>(flag, &before, &after);
+        rest.iter_mut().zip(after).for_each(|(new, after)| *new = after);
+    }
+}
+
+/// The kernel on a piece of a row that starts at cell `x`: beside it lies `aux`, or the tile around it.
+#[inline(always)]
+fn compute<A: Arithmetic, K: Kernel<A, N>, const N: usize>(
+    kernel: &mut K,
+    window: &[&[A::Cell]; N],
+    (aux, beside, x): (&[A::Cell], Beside<'_, A::Cell>, usize),
+    new: &mut [A::Cell],
+) {
+    if K::AROUND {
+        kernel.row(window, &beside.window(x), new);
+    } else {
+        kernel.row(window, aux, new);
+    }
+}
+
+/// The window of `W` cells from cell `x` on in a window of rows.
+#[inline(always)]
+fn cut<'a, C, const N: usize, const W: usize>(rows: &[&'a [C]; N], x: usize) -> Option<[&'a [C]; N]> {
+    let mut cut: [&[C]; N] = [&[]; N];
+    for (cut, row) in cut.iter_mut().zip(rows) {
+        *cut = row.get(x..x + (W + N - 1))?;
+    }
+    Some(cut)
+}
+
+/// A piece of a row made up to a whole tile with empty cells.
+#[inline(always)]
+fn whole_tile<C: Copy + Default>(cells: &[C]) -> [C; COLUMNS] {
+    let mut tile = [C::default(); COLUMNS];
+    tile.iter_mut().zip(cells).for_each(|(tile, cell)| *tile = *cell);
+    tile
+}

@@ -1,6 +1,6 @@
 //! Step 4: the edge detector, the speed of the front: 1 in flat places, 0 on edges.
 
-use crate::arithmetic::{Arithmetic, Exponent, Real};
+use crate::arithmetic::{Arithmetic, Bits, Exponent, Real};
 use crate::config::{Config, Edge};
 use crate::sweep::{Cross, Kernel, cross};
 

@@ -30,7 +30,7 @@
 //!
 //! 3 + 4 * 6 + 4 looks, and one for a rounding that puts a pixel one bucket too early.
 
-use crate::arithmetic::{Arithmetic, Cell, Real};
+use crate::arithmetic::{Arithmetic, Bits, Real};
 use crate::codec::Codec;
 use crate::settle::FLOOR;
 

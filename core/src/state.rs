@@ -1,6 +1,6 @@
 //! Everything that changes during a run but lies not in a plane: plain data.
 
-use crate::arithmetic::{Arithmetic, Real};
+use crate::arithmetic::{Arithmetic, Bits, Real};
 use crate::budget;
 use crate::codec::Codec;
 use crate::config::Config;

@@ -1,6 +1,6 @@
 //! Memory for the planes of a frame, and for a run.
 
-use skyfront_core::arithmetic::{Arithmetic, Cell};
+use skyfront_core::arithmetic::{Arithmetic, Bits};
 use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::memory::{Memory, flags_len, ring_cells};

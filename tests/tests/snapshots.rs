@@ -1,7 +1,7 @@
 //! A run that is written out and taken up again ends with the bits of one that was left alone.
 
 use skyfront::planes::Room;
-use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
+use skyfront_core::arithmetic::{Arithmetic, Bits, F32, Q11, Q24};
 use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::error::Error;

@@ -4,7 +4,7 @@
 use skyfront::machine::Native;
 use skyfront::pipeline::{Drive, Segmentation, segment_in};
 use skyfront::planes::Room;
-use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
+use skyfront_core::arithmetic::{Arithmetic, Bits, F32, Q11, Q24};
 use skyfront_core::config::{Config, Rescale, Scheme, Start};
 use skyfront_core::error::Error;
 use skyfront_core::frame::{Frame, SliceFrame};

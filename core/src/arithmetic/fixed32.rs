@@ -1,6 +1,6 @@
 //! The 32-bit fixed-point numbers that are computed in.
 
-use super::{Cell, Real};
+use super::{Bits, Cell, Real};
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 use fixed::FixedI32;
@@ -98,6 +98,18 @@ impl<F: Fraction> Mul for Fixed<F> {
     }
 }
 
+impl<F: Fraction> Bits for Fixed<F> {
+    #[inline]
+    fn bits(self) -> u32 {
+        self.to_bits() as u32
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> Self {
+        Fixed::from_bits(bits as i32)
+    }
+}
+
 impl<F: Fraction> Real for Fixed<F> {
     const ZERO: Self = Fixed(FixedI32::ZERO);
     const ONE: Self = Fixed::from_bits(1 << F::U32);
@@ -116,16 +128,6 @@ impl<F: Fraction> Real for Fixed<F> {
     #[inline]
     fn to_f32(self) -> f32 {
         self.to_bits() as f32 / (1u32 << F::U32) as f32
-    }
-
-    #[inline]
-    fn bits(self) -> u32 {
-        self.to_bits() as u32
-    }
-
-    #[inline]
-    fn from_bits(bits: u32) -> Self {
-        Fixed::from_bits(bits as i32)
     }
 
     /// Cost: one division of 64 by 32 bits.
@@ -161,16 +163,6 @@ impl<F: Fraction + Default> Cell for Fixed<F> {
     #[inline]
     fn label(self) -> u32 {
         self.to_bits() as u32
-    }
-
-    #[inline]
-    fn bits(self) -> u32 {
-        self.to_bits() as u32
-    }
-
-    #[inline]
-    fn from_bits(bits: u32) -> Self {
-        Fixed::from_bits(bits as i32)
     }
 }
 

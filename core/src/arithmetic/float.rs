@@ -4,13 +4,26 @@
 //! square roots; `libm`, pinned and without processor features, for the rest. No fused
 //! multiply-add, no `f32::min`, no operation that can make a NaN from finite numbers.
 
-use super::{Arithmetic, Cell, Exponent, Real, sealed::Sealed};
+use super::{Arithmetic, Bits, Cell, Exponent, Real, sealed::Sealed};
 use crate::machine::{Machine, Plain, Task};
 use core::marker::PhantomData;
 
 /// Single precision on a machine `M`; `M` changes the speed, never the bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct F32<M: Machine = Plain>(PhantomData<M>);
+
+impl Bits for f32 {
+    #[inline]
+    fn bits(self) -> u32 {
+        self.to_bits()
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> f32 {
+        let value = f32::from_bits(bits);
+        if value.is_finite() { value } else { 0.0 }
+    }
+}
 
 impl Real for f32 {
     const ZERO: f32 = 0.0;
@@ -24,17 +37,6 @@ impl Real for f32 {
     #[inline(always)]
     fn to_f32(self) -> f32 {
         self
-    }
-
-    #[inline]
-    fn bits(self) -> u32 {
-        self.to_bits()
-    }
-
-    #[inline]
-    fn from_bits(bits: u32) -> f32 {
-        let value = f32::from_bits(bits);
-        if value.is_finite() { value } else { 0.0 }
     }
 
     #[inline(always)]
@@ -63,16 +65,6 @@ impl Cell for f32 {
     #[inline]
     fn label(self) -> u32 {
         self as u32
-    }
-
-    #[inline]
-    fn bits(self) -> u32 {
-        Real::bits(self)
-    }
-
-    #[inline]
-    fn from_bits(bits: u32) -> f32 {
-        Real::from_bits(bits)
     }
 }
 

@@ -29,9 +29,17 @@ pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
+/// What has a bit pattern: for digests, snapshots and the caller's memory.
+pub trait Bits: Copy {
+    /// The bit pattern, zero-extended.
+    fn bits(self) -> u32;
+    /// What has this bit pattern, or the nearest harmless one (never a NaN).
+    fn from_bits(bits: u32) -> Self;
+}
+
 /// A number that kernels compute in. Never NaN, never a silent wrap.
 pub trait Real:
-    Copy
+    Bits
     + Debug
     + Send
     + Sync
@@ -52,12 +60,6 @@ pub trait Real:
 
     /// The nearest `f32`.
     fn to_f32(self) -> f32;
-
-    /// The bit pattern, for snapshots.
-    fn bits(self) -> u32;
-
-    /// The number with this bit pattern, or the nearest harmless one (never a NaN).
-    fn from_bits(bits: u32) -> Self;
 
     /// `self / divisor`, saturated to the range; 0 where the divisor is not above 0.
     fn ratio(self, divisor: Self) -> Self;
@@ -97,7 +99,7 @@ pub trait Real:
 }
 
 /// One element of a plane: an image value, a front value or, at the end, a label.
-pub trait Cell: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
+pub trait Cell: Bits + Debug + Default + PartialEq + Send + Sync + 'static {
     /// The largest label a cell can hold.
     const MAX_LABEL: u32;
     /// Bytes of one cell.
@@ -109,10 +111,6 @@ pub trait Cell: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     fn from_label(label: u32) -> Self;
     /// The label in the cell.
     fn label(self) -> u32;
-    /// The bit pattern, zero-extended: what digests and snapshots are made of.
-    fn bits(self) -> u32;
-    /// The cell with this bit pattern, or the nearest harmless one (never a NaN).
-    fn from_bits(bits: u32) -> Self;
 }
 
 /// A number system for the whole pipeline.

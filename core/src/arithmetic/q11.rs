@@ -4,7 +4,7 @@
 //! pixels (range [-16, 16), step 2^-11), saturated by its band to at most 8 pixels.
 
 use super::fixed32::Fixed24;
-use super::{Arithmetic, Cell, Exponent, Real, elementary, roots, sealed::Sealed};
+use super::{Arithmetic, Bits, Cell, Exponent, Real, elementary, roots, sealed::Sealed};
 use fixed::types::{I5F11, U1F15};
 
 /// Fixed point in 16-bit planes; the front needs a band.
@@ -14,6 +14,18 @@ pub struct Q11;
 /// 16 bits: U1F15 in the image plane, I5F11 in the front plane, at the end a label.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Narrow(u16);
+
+impl Bits for Narrow {
+    #[inline]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+
+    #[inline]
+    fn from_bits(bits: u32) -> Self {
+        Narrow(bits as u16)
+    }
+}
 
 impl Cell for Narrow {
     const MAX_LABEL: u32 = 0xFFFF;
@@ -28,16 +40,6 @@ impl Cell for Narrow {
     #[inline]
     fn label(self) -> u32 {
         u32::from(self.0)
-    }
-
-    #[inline]
-    fn bits(self) -> u32 {
-        u32::from(self.0)
-    }
-
-    #[inline]
-    fn from_bits(bits: u32) -> Self {
-        Narrow(bits as u16)
     }
 }
 

@@ -26,7 +26,7 @@
 use super::{Evolve, Step, corners};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
-use crate::sweep::{Band, Cross, Kernel, advance_active, cross};
+use crate::sweep::{Band, Kernel, advance_active, cross};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -65,14 +65,13 @@ impl<A: Arithmetic> Kernel<A, 3> for Sweep<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], image: &[A::Cell], new: &mut [A::Cell]) {
         let Sweep { scheme, c1, c2, .. } = *self;
-        let Cross { centre, left, right, below, above } = cross(old);
-        let sides = centre.iter().zip(left).zip(right).zip(below).zip(above);
-        for (((new, ((((&v, &l), &r), &b), &a)), [bl, br, al, ar]), &pixel) in
-            new.iter_mut().zip(sides).zip(corners(old)).zip(image)
+        let cross = cross(old);
+        for ((((new, &v), sides), corners), &pixel) in
+            new.iter_mut().zip(cross.centre).zip(cross.sides()).zip(corners(old)).zip(image)
         {
             let v = A::level(v);
-            let [l, r, b, a] = [l, r, b, a].map(|cell| A::level(cell) - v);
-            let [bl, br, al, ar] = [bl, br, al, ar].map(|cell| A::level(cell) - v);
+            let [l, r, b, a] = sides.map(|cell| A::level(cell) - v);
+            let [bl, br, al, ar] = corners.map(|cell| A::level(cell) - v);
             let square = |x: A::Real, y: A::Real, corner: A::Real| scheme.weight([x, corner - y, y, corner - x]);
             let (wbl, wbr, wal, war) = (square(l, b, bl), square(r, b, br), square(l, a, al), square(r, a, ar));
             let [wl, wr, wb, wa] = [wbl + wal, wbr + war, wbl + wbr, wal + war];

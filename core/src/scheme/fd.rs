@@ -3,7 +3,7 @@
 use super::{Evolve, Step, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
-use crate::sweep::{Band, Cross, Kernel, cross};
+use crate::sweep::{Band, Kernel, cross};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -21,11 +21,9 @@ impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
         // A copy: behind the reference it could change with every pixel written.
         let Fd { courant } = *self;
-        let Cross { centre, left, right, below, above } = cross(old);
-        for ((((((new, &v), &l), &r), &b), &a), &g) in
-            new.iter_mut().zip(centre).zip(left).zip(right).zip(below).zip(above).zip(speed)
-        {
-            *new = A::retreat(v, [l, r, b, a], courant, g);
+        let cross = cross(old);
+        for (((new, &v), around), &g) in new.iter_mut().zip(cross.centre).zip(cross.sides()).zip(speed) {
+            *new = A::retreat(v, around, courant, g);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Evolve, Step, corners, flat_limit, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, CurvatureForm, Scheme};
-use crate::sweep::{Band, Cross, Kernel, cross};
+use crate::sweep::{Band, Kernel, cross};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -58,9 +58,9 @@ impl<A: Arithmetic> Kernel<A, 3> for FdCurvature<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
         let scheme = *self;
-        let Cross { centre, left, right, below, above } = cross(old);
-        let sides = centre.iter().zip(left).zip(right).zip(below).zip(above);
-        for (((new, ((((&v, &l), &r), &b), &a)), corners), &g) in new.iter_mut().zip(sides).zip(corners(old)).zip(speed)
+        let cross = cross(old);
+        for ((((new, &v), [l, r, b, a]), corners), &g) in
+            new.iter_mut().zip(cross.centre).zip(cross.sides()).zip(corners(old)).zip(speed)
         {
             let v = A::level(v);
             let n = Around {

@@ -4,10 +4,10 @@
 //! rim, evenly spread from the axis. The set is symmetric under mirroring and transposition, and
 //! so is every formula, so that a mirrored image gives a mirrored front, exactly.
 
-use super::{Evolve, Step, tracked};
+use super::{Evolve, Step, corners, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
-use crate::sweep::{Band, Cross, Kernel, cross, shifted};
+use crate::sweep::{Band, Kernel, cross};
 use crate::tiles::Tiles;
 use core::ops::Range;
 
@@ -75,12 +75,9 @@ impl<A: Arithmetic, const M: usize> Kernel<A, 3> for Sl<A, M> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
         let scheme = *self;
-        let Cross { centre, left, right, below, above } = cross(old);
-        let [row_below, _, row_above] = *old;
-        let corners = row_below.iter().zip(shifted(row_below, 2)).zip(row_above).zip(shifted(row_above, 2));
-        let sides = centre.iter().zip(left).zip(right).zip(below).zip(above);
-        for (((new, ((((&v, &l), &r), &b), &a)), (((&bl, &br), &al), &ar)), &g) in
-            new.iter_mut().zip(sides).zip(corners).zip(speed)
+        let cross = cross(old);
+        for ((((new, &v), [l, r, b, a]), [bl, br, al, ar]), &g) in
+            new.iter_mut().zip(cross.centre).zip(cross.sides()).zip(corners(old)).zip(speed)
         {
             let v = A::level(v);
             let from_v = |cell: A::Cell| A::level(cell) - v;

@@ -14,6 +14,9 @@ use skyfront_core::memory::{self, SEGMENTER_BYTES};
 use skyfront_core::stage::Stage;
 use std::fmt::Write;
 
+/// Bytes of a pixel of the image, which this program keeps and a camera need not.
+const IMAGE_BYTES: usize = size_of::<f32>();
+
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// Columns of the frame.
@@ -79,6 +82,7 @@ fn budget_of<A: Arithmetic>(
         (catalogue, format!("catalogue of {sources} sources")),
         (SEGMENTER_BYTES, "state, at most".to_owned()),
         (total + SEGMENTER_BYTES, "all memory".to_owned()),
+        (total + IMAGE_BYTES * width * height, "here, with the image, beside the program and its libraries".to_owned()),
     ] {
         writeln!(text, "{bytes:>14} bytes  {what}")?;
     }

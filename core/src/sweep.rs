@@ -5,7 +5,7 @@
 //! of `N` rows, each padded by `R` cells on both sides. Beyond the frame every row and column is
 //! repeated (homogeneous Neumann conditions), here and nowhere else.
 
-mod active;
+pub(crate) mod active;
 mod run;
 
 use crate::arithmetic::Arithmetic;

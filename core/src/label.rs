@@ -23,9 +23,21 @@ pub struct Damaged;
 /// Pixels that are looked at together, whether any belongs to an object.
 const PIECE: usize = 32;
 
+/// The pieces of a row in which a cell holds a label, and the column where each begins.
+pub(crate) fn labelled_pieces<C: Cell>(row: &[C]) -> impl Iterator<Item = (usize, &[C])> {
+    let pieces = (0usize..).step_by(PIECE).zip(row.chunks(PIECE));
+    pieces.filter(|(_, piece)| !is_blank(piece))
+}
+
 /// The cells of a row that hold a label.
 fn labelled<C: Cell>(row: &mut [C]) -> impl Iterator<Item = &mut C> {
-    row.iter_mut().filter(|cell| cell.bits() != C::BLANK.bits())
+    let pieces = row.chunks_mut(PIECE).filter(|piece| !is_blank(piece));
+    pieces.flatten().filter(|cell| cell.bits() != C::BLANK.bits())
+}
+
+/// Whether no cell holds a label: most of an image belongs to nothing.
+fn is_blank<C: Cell>(piece: &[C]) -> bool {
+    piece.iter().fold(0, |any, cell| any | cell.bits()) == C::BLANK.bits()
 }
 
 /// The label table in a plane.

@@ -7,7 +7,7 @@ use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
 use crate::filter::{Heat, PeronaMalik};
 use crate::frame::Frame;
-use crate::label::{Damaged, Table};
+use crate::label::{Damaged, Table, labelled_pieces};
 use crate::march::March;
 use crate::normalize;
 use crate::rescale::Rescaler;
@@ -204,10 +204,12 @@ const LABELS: fn(Damaged) -> &'static str = |_| "the label table";
 
 /// Adds a row of labelled pixels to their sources; sources beyond the catalogue are left out.
 fn measure_row<C: Cell>(labels: &[C], y: usize, pixels: &[f32], floor: f32, sources: &mut [Source]) {
-    let cells = (0u32..).zip(labels).zip(pixels);
-    for ((x, cell), &pixel) in cells.filter(|((_, cell), _)| cell.bits() != C::BLANK.bits()) {
-        if let Some(source) = (cell.label() as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
-            source.add(x, y as u32, pixel, floor);
+    for (start, piece) in labelled_pieces(labels) {
+        let cells = (start as u32..).zip(piece).zip(pixels.get(start..).unwrap_or(&[]));
+        for ((x, cell), &pixel) in cells.filter(|((_, cell), _)| cell.bits() != C::BLANK.bits()) {
+            if let Some(source) = (cell.label() as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
+                source.add(x, y as u32, pixel, floor);
+            }
         }
     }
 }

@@ -31,9 +31,9 @@ pub fn found(
     let mut extremes = Extremes::NONE;
     image.pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
     // The front has passed everywhere.
-    let passed = |_: usize| -1.0;
+    const PASSED: f32 = -1.0;
     if let Some(take) = &mut drive.take_front {
-        take(&passed);
+        take(&|_, out| out.fill(PASSED));
     }
     let kept = if drive.take_front.is_none() { width * height } else { 0 };
     let flat = vec![0.0; if drive.keep_stages { width * height } else { 0 }];
@@ -42,7 +42,7 @@ pub fn found(
         width,
         height,
         labels: vec![0; width * height],
-        front: (0..kept).map(passed).collect(),
+        front: vec![PASSED; kept],
         stages: drive.keep_stages.then(|| StagePlanes {
             normalised: flat.clone(),
             rescaled: Vec::new(),

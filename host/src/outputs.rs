@@ -4,7 +4,7 @@ use crate::catalogue::{Catalogue, Request};
 use crate::input::Input;
 use crate::outline;
 use crate::picture;
-use crate::pipeline::Segmentation;
+use crate::pipeline::{Segmentation, Values};
 use crate::provenance;
 use crate::report;
 use crate::summary::{Part, summary};
@@ -62,19 +62,25 @@ pub fn write(
         "segmentation.fits",
         (width, height),
         &with_unit(&header, "label, 0 = background"),
-        |index| run.labels[index] as i32,
+        |first, row| copy(row, &run.labels[first..], |label| label as i32),
     )?;
     let means: Vec<f32> = run.sources.iter().map(|source| source.mean()).collect();
-    write_plane(products, "segmented.fits", (width, height), &header, |index| match run.labels[index] {
+    let mean = |label: u32| match label {
         0 => 0.0,
         label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
+    };
+    write_plane(products, "segmented.fits", (width, height), &header, |first, row| {
+        copy(row, &run.labels[first..], mean);
     })?;
     if !run.front.is_empty() {
-        write_front(products, config, input, request, &|index| run.front[index])?;
+        let front = |first: usize, row: &mut [f32]| copy(row, &run.front[first..], |value| value);
+        write_front(products, config, input, request, &front)?;
     }
     if let (true, Some(sky)) = (request.sky, &run.sky) {
         for (name, map) in SKY.iter().zip([&sky.level, &sky.noise]) {
-            write_plane(products, name, (width, height), &header, |index| map[index])?;
+            write_plane(products, name, (width, height), &header, |first, row: &mut [f32]| {
+                copy(row, &map[first..], |value| value);
+            })?;
         }
     }
     done(&mut parts, "write maps");
@@ -136,7 +142,7 @@ pub fn write_front(
     config: &Config,
     input: &Input,
     request: &Request,
-    front: &dyn Fn(usize) -> f32,
+    front: &Values<'_>,
 ) -> Result<(), WriteError> {
     let image = &input.detected.image;
     let mut header = wcs::entries(&image.header);
@@ -147,7 +153,10 @@ pub fn write_front(
         // The marched front is the time left at t_max, in pixels of free motion; above 0 it never came.
         let time = |front: f32| if front > 0.0 { f32::NAN } else { ((front + config.farthest()) * config.dx).max(0.0) };
         let header = with_unit(&header, "arrival time t of the front; NaN = it never came");
-        write_plane(products, ARRIVAL, size, &header, |index| time(front(index)))?;
+        write_plane(products, ARRIVAL, size, &header, |first, row: &mut [f32]| {
+            front(first, row);
+            row.iter_mut().for_each(|value| *value = time(*value));
+        })?;
     }
     Ok(())
 }
@@ -156,20 +165,22 @@ fn with_unit(header: &[Entry], unit: &str) -> Vec<Entry> {
     header.iter().cloned().chain([Entry::new("BUNIT", unit, "")]).collect()
 }
 
+/// Fills a row from the first of the values.
+fn copy<T: Copy, U>(row: &mut [U], values: &[T], to: impl Fn(T) -> U) {
+    row.iter_mut().zip(values).for_each(|(out, &value)| *out = to(value));
+}
+
+/// Writes a plane of which `values` gives a row, from the index of its first pixel.
 fn write_plane<T: crate::write::fits::Sample>(
     products: &mut Products,
     name: &str,
     size: (usize, usize),
     header: &[Entry],
-    value: impl Fn(usize) -> T,
+    values: impl Fn(usize, &mut [T]),
 ) -> Result<(), WriteError> {
     products.write_path(name, |path| {
         let mut writer = Writer::create(path)?;
-        writer.image(size, header, |y, row: &mut [T]| {
-            for (x, out) in row.iter_mut().enumerate() {
-                *out = value(y * size.0 + x);
-            }
-        })?;
+        writer.image(size, header, |y, row: &mut [T]| values(y * size.0, row))?;
         writer.finish()
     })
 }

@@ -62,8 +62,11 @@ pub struct Segmentation {
     pub remark: Option<String>,
 }
 
-/// Receives a front: a function from a pixel's index to its value.
-pub type TakeFront<'a> = dyn FnMut(&dyn Fn(usize) -> f32) + 'a;
+/// Gives the values of a plane from a pixel's index on, row-major.
+pub type Values<'a> = dyn Fn(usize, &mut [f32]) + 'a;
+
+/// Receives a front.
+pub type TakeFront<'a> = dyn FnMut(&Values<'_>) + 'a;
 
 /// How a run is driven, which changes nothing in its result, and what it is given beside the image.
 pub struct Drive<'a> {
@@ -79,7 +82,7 @@ pub struct Drive<'a> {
     pub keep_stages: bool,
     /// Threads for the evolution.
     pub threads: usize,
-    /// Takes the final front, by index, in its unit; without it the front is kept in the result.
+    /// Takes the final front, in its unit; without it the front is kept in the result.
     pub take_front: Option<&'a mut TakeFront<'a>>,
     /// Called after every poll.
     pub watch: Option<&'a mut dyn FnMut(&Progress)>,
@@ -174,10 +177,12 @@ pub fn segment_in<A: Arithmetic>(
                 Stage::Edge if drive.keep_stages => stages.edge = image(),
                 Stage::Evolve | Stage::Arrive => {
                     let front = segmenter.front();
-                    let value = |index: usize| A::level(front[index]).to_f32();
+                    let value = |&cell: &A::Cell| A::level(cell).to_f32();
                     match &mut drive.take_front {
-                        Some(take) => take(&value),
-                        None => front_values = (0..count).map(value).collect(),
+                        Some(take) => take(&|first, out| {
+                            out.iter_mut().zip(&front[first..]).for_each(|(out, cell)| *out = value(cell));
+                        }),
+                        None => front_values = front.iter().map(value).collect(),
                     }
                 }
                 _ => {}

@@ -4,7 +4,7 @@ use super::choices::ArithmeticOption;
 use crate::catalogue::Request;
 use crate::input::Input;
 use crate::outputs::{self, Written};
-use crate::pipeline::Drive;
+use crate::pipeline::{Drive, Values};
 use crate::summary::Part;
 use crate::write::Products;
 use anyhow::{Context, Result};
@@ -70,7 +70,7 @@ pub fn process(
     };
     // Without pictures and outlines the front goes to its file as soon as it is there, and is not kept.
     let mut written = Ok(());
-    let mut take = |front: &dyn Fn(usize) -> f32| {
+    let mut take = |front: &Values<'_>| {
         written = outputs::write_front(&mut products, config, input, &manner.request, front);
     };
     if !manner.pictures && !manner.request.regions && !manner.request.polygons {

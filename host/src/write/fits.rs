@@ -73,6 +73,10 @@ impl ColumnData<'_> {
     }
 }
 
+/// Samples that are handed over together, in whole rows: the library copies small pieces into
+/// blocks of 2880 bytes and writes each of them by itself.
+const PIECE: usize = 1 << 16;
+
 impl Writer {
     /// Creates the file; its name is taken literally and must not exist.
     ///
@@ -96,10 +100,12 @@ impl Writer {
         self.try_do(|handle| {
             handle.image(T::BITPIX, width, height)?;
             write_entries(handle, entries)?;
-            let mut line = vec![T::default(); width];
-            for y in 0..height {
-                row(y, &mut line);
-                handle.samples((y * width) as i64 + 1, &line)?;
+            let rows = (PIECE / width.max(1)).clamp(1, height.max(1));
+            let mut piece = vec![T::default(); rows * width];
+            for first in (0..height).step_by(rows) {
+                let piece = &mut piece[..rows.min(height - first) * width];
+                (first..).zip(piece.chunks_exact_mut(width)).for_each(|(y, line)| row(y, line));
+                handle.samples((first * width) as i64 + 1, piece)?;
             }
             Ok(())
         })

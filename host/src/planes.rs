@@ -33,7 +33,7 @@ impl<A: Arithmetic> Room<A> {
         Room {
             image: plane(width * height, cell),
             front: plane(width * height, cell),
-            sources: vec![Source::empty(pattern); sources],
+            sources: plane(sources, Source::empty(pattern)),
             ring: vec![cell; ring_cells(width, config.scheme == Scheme::SlCurvature)],
             tiles: vec![pattern as u8; flags_len(width, height)],
             samples: vec![f32::from(pattern as u16); width],
@@ -58,16 +58,18 @@ impl<A: Arithmetic> Room<A> {
 /// A plane of `len` cells, in large pages where the system has them: the front touches every row
 /// of a frame again and again, and ordinary pages are too many for the processor's page table.
 pub fn plane<T: Copy>(len: usize, cell: T) -> Vec<T> {
-    let mut plane = Vec::with_capacity(len);
-    ask_for_large_pages(plane.as_mut_ptr(), plane.capacity());
+    let mut plane: Vec<T> = Vec::with_capacity(len);
+    ask_for_large_pages(&mut plane);
     plane.resize(len, cell);
     plane
 }
 
+/// Asks for large pages in the memory of a plane, best before it is written to.
 #[cfg(target_os = "linux")]
-fn ask_for_large_pages<T>(start: *mut T, len: usize) {
+pub(crate) fn ask_for_large_pages<T>(plane: &mut Vec<T>) {
     const PAGE: usize = 4096;
-    let (from, to) = (start as usize, start as usize + len * size_of::<T>());
+    let from = plane.as_mut_ptr() as usize;
+    let to = from + plane.capacity() * size_of::<T>();
     let (first, last) = (from.next_multiple_of(PAGE), to / PAGE * PAGE);
     if first < last {
         // SAFETY: whole pages inside an allocation of ours; the advice changes no content, and
@@ -77,7 +79,7 @@ fn ask_for_large_pages<T>(start: *mut T, len: usize) {
 }
 
 #[cfg(not(target_os = "linux"))]
-fn ask_for_large_pages<T>(_: *mut T, _: usize) {}
+pub(crate) fn ask_for_large_pages<T>(_: &mut Vec<T>) {}
 
 #[cfg(test)]
 mod tests {

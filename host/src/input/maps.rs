@@ -5,7 +5,7 @@ use crate::read::{Image, Place};
 use std::fmt;
 
 /// The maps of a run.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Maps {
     /// Pixels that must not be used: those that are not 0.
     pub mask: Option<Place>,
@@ -57,6 +57,9 @@ impl Maps {
     /// [`MapError`] for a map that cannot be read, has another shape or content than it must have,
     /// or leaves nothing of the image.
     pub fn over(&self, name: &str, image: Image) -> Result<Input, MapError> {
+        if *self == Maps::default() {
+            return Ok(Input::alone(name, image));
+        }
         let before = defined(&image);
         let mut loader = Loader { size: (image.width, image.height), beside: Vec::new() };
         let mut input = Input::alone(name, image);

@@ -4,6 +4,7 @@ use super::error::Fault;
 use super::hdu::Hdu;
 use super::header::Header;
 use super::source::Source;
+use crate::planes::ask_for_large_pages;
 
 /// Bytes decoded at a time; a multiple of every sample size.
 const CHUNK: usize = 1 << 16;
@@ -78,6 +79,7 @@ pub(super) fn read(source: &mut Source, hdu: &Hdu, bitpix: i64, plane: (u64, u64
     let total = usize::try_from(promised).map_err(|_| out_of_memory())?;
     if present.is_some() {
         pixels.try_reserve_exact(total / size).map_err(|_| out_of_memory())?;
+        ask_for_large_pages(&mut pixels);
     }
     let mut buffer = vec![0u8; CHUNK.min(total)];
     let mut left = total;

@@ -9,8 +9,8 @@ use flate2::bufread::GzDecoder;
 
 use super::error::Fault;
 
-/// Read-ahead on the file; large enough for the disk, small beside any image.
-const BUFFER: usize = 1 << 18;
+/// Read-ahead on the file. Pixels are asked for in larger pieces, which pass it by.
+const BUFFER: usize = 1 << 15;
 /// The first bytes of a gzip member.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// Deflate cannot expand a byte to more than this many (zlib's technical notes).

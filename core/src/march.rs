@@ -130,8 +130,7 @@ impl<A: Arithmetic> Planes<'_, A> {
     /// `step` before it lies a pixel in no list; on its other axis the neighbours lie at `across`.
     #[inline(always)]
     fn soonest(&self, pixel: u32, step: u32, across: u32, now: f32) -> f32 {
-        let bits = |pixel: u32| self.front.get(pixel as usize).map_or(FAR.to_bits(), |cell| cell.bits());
-        let own = bits(pixel);
+        let own = self.bits_or_far(pixel);
         if own < FAR.to_bits() {
             return f32::from_bits(own);
         }
@@ -140,9 +139,14 @@ impl<A: Arithmetic> Planes<'_, A> {
             return now + CORNER;
         }
         // What lies beyond the frame's edge, or at its other side, makes it no later.
-        let around = [step, across, across.wrapping_neg()].map(|step| bits(pixel.wrapping_add(step)));
+        let around = [step, across, across.wrapping_neg()].map(|step| self.bits_or_far(pixel.wrapping_add(step)));
         let soonest = f32::from_bits(around.into_iter().fold(now.to_bits(), u32::min)) + CORNER;
         if soonest > now { soonest } else { now }
+    }
+
+    #[inline(always)]
+    fn bits_or_far(&self, pixel: u32) -> u32 {
+        self.front.get(pixel as usize).map_or(FAR.to_bits(), |cell| cell.bits())
     }
 
     #[inline(always)]
@@ -326,7 +330,7 @@ impl March {
         }
         let now = self.bucket as f32 * WIDTH;
         let soonest = |step: u32, across: u32| planes.soonest(pixel.wrapping_add(step), step, across, now);
-        let (ahead, one, other) = (soonest(step, across), soonest(across, step), soonest(across.wrapping_neg(), step));
+        let (one, other, ahead) = (soonest(across, step), soonest(across.wrapping_neg(), step), soonest(step, across));
         let along = if time < ahead { time } else { ahead };
         let aside = if one < other { one } else { other };
         let soonest = arrival::<A>(along, aside, planes.delay(pixel));

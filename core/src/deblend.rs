@@ -4,7 +4,7 @@
 use crate::arithmetic::{Level, Real};
 use crate::detection::{Detection, grown};
 use crate::grid::Grid;
-use crate::tree::{Field, Region};
+use crate::tree::{Field, Region, opposite};
 
 /// A pixel under examination.
 const OPEN: u32 = 1 << 31;
@@ -27,9 +27,38 @@ const OTHER: f32 = 2.0;
 /// The same for a pixel that begins a new source.
 const NEW: f32 = 2.5;
 
+/// More of the light across a centre than this part is another source's: the mirror says nothing.
+const FOREIGN: f32 = 0.25;
+
+/// What `other` alone has at a place: the light on its other side, less what the host, symmetric
+/// too, has there, as far as the frame shows it. `None` where the other side is beyond the frame.
+fn alone<L: Level>(field: Field<'_, L>, [host, other]: [(L, L); 2], place: (L, L)) -> Option<L> {
+    let across = opposite(other, place);
+    let light = field.between(across)?;
+    Some((light - field.between(opposite(host, across)).unwrap_or(L::ZERO)).positive())
+}
+
+/// The mirrored light of a source; `None` beyond the frame, and where too much of it is another's.
+fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>], label: u32, at: usize) -> Option<L> {
+    let centre = centre_of(regions, label);
+    let across = field.across(centre, at);
+    let light = field.between(across)?;
+    let other = field.nearest(across).map_or(0, |at| label_at(labels, at));
+    if other == 0 || other == label {
+        return Some(light);
+    }
+    let foreign = alone(field, [centre, centre_of(regions, other)], across).unwrap_or(L::ZERO);
+    (foreign <= light.scaled(L::Weight::of(FOREIGN))).then_some(light)
+}
+
+fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
+    regions.get((label as usize).wrapping_sub(1)).map_or(L::NOTHING, |region| region.sum)
+}
+
 /// Opens the pixels that their host's mirrored light does not explain, and makes each connected
-/// group of them that is large enough a region. `noise` is that of a pixel without light, `photon`
-/// how it grows; `queue` is as long as the plane. Gives the new number of
+/// group of them a region that is large enough, also when a second source's light is taken away:
+/// where two large galaxies meet there is the light of both. `noise` is that of a pixel without
+/// light, `photon` how it grows; `queue` is as long as the plane. Gives the new number of
 /// regions, and how many found no room in the table.
 pub fn reopen<L: Level>(
     field: Field<'_, L>,
@@ -42,6 +71,7 @@ pub fn reopen<L: Level>(
 ) -> (usize, u32) {
     let mut left_out = 0;
     let (new, least) = (L::Weight::of(NEW), L::of(setting.excess * noise.to_f32()));
+    let significant = |at: usize, host: L| field.at(at) - host > least * grown(photon, field.at(at));
     for at in 0..labels.len() {
         let label = label_at(labels, at);
         if label == 0 {
@@ -49,7 +79,7 @@ pub fn reopen<L: Level>(
         }
         if let Some(host) = field.mirrored(centre_of(regions, label), at)
             && field.at(at) > host.scaled(new)
-            && field.at(at) - host > least * grown(photon, field.at(at))
+            && significant(at, host)
             && let Some(cell) = labels.get_mut(at)
         {
             *cell |= OPEN;
@@ -61,48 +91,20 @@ pub fn reopen<L: Level>(
             continue;
         }
         let host = open & !OPEN;
-        let centre = centre_of(regions, host);
-        let (mut members, mut next) = (0, 0);
-        let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
-            if let (Some(label), Some(place)) = (labels.get_mut(at), queue.get_mut(members)) {
-                (*label, *place) = (host, at as u32);
-                members += 1;
-            }
-            members
-        };
-        let mut known = take(first, labels, queue);
-        while next < known {
-            let at = queue.get(next).map_or(0, |&at| at as usize);
-            next += 1;
-            for near in field.grid.neighbours(at) {
-                if label_at(labels, near) == open {
-                    known = take(near, labels, queue);
-                }
-            }
-        }
+        let (known, beside) = gather(field.grid, first, (labels, queue), |label| light_of(regions, label));
         let group = queue.get(..known).unwrap_or(&[]);
-        if (group.len() as u32) < setting.reopened_area {
+        let unexplained = {
+            let explained = explained(field, labels, regions, [host, beside]);
+            group.iter().filter(|&&at| significant(at as usize, explained(at as usize))).count()
+        };
+        if (unexplained as u32) < setting.reopened_area {
             continue;
         }
-        let of_host = regions.get((host as usize).wrapping_sub(1)).map_or(0, |host| host.peak.saturating_add(1));
-        let Some(region) = regions.get_mut(count) else {
+        if count >= regions.len() {
             left_out += 1;
             continue;
-        };
-        let (mut value, mut peak, mut sum) = (excess(field, centre, first), first as u32, L::NOTHING);
-        for &at in group {
-            let light = excess(field, centre, at as usize);
-            sum = sum + light.times(1);
-            if light > value {
-                (value, peak) = (light, at);
-            }
         }
-        let (x, y) = field.grid.place(peak as usize);
-        let centre = (L::whole(x), L::whole(y));
-        *region = Region { peak, value, sum, centre, divided: of_host, ..Region::BLANK };
-        if let Some(inside) = regions.get_mut((host as usize).wrapping_sub(1)) {
-            inside.divide(field, peak);
-        }
+        add(field, group, host, regions, count);
         count += 1;
         for &at in group {
             if let Some(label) = labels.get_mut(at as usize) {
@@ -113,9 +115,89 @@ pub fn reopen<L: Level>(
     (count, left_out)
 }
 
+/// Gives a connected group of open pixels back to its host and lists it in the queue. Gives its
+/// length, and of the other sources beside it the one with the most light; 0 for none.
+fn gather<S: PartialOrd>(
+    grid: Grid,
+    first: usize,
+    (labels, queue): (&mut [u32], &mut [u32]),
+    light: impl Fn(u32) -> S,
+) -> (usize, u32) {
+    let open = label_at(labels, first);
+    let host = open & !OPEN;
+    let (mut known, mut next, mut beside) = (0, 0, 0);
+    let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
+        if let (Some(label), Some(place)) = (labels.get_mut(at), queue.get_mut(known)) {
+            (*label, *place) = (host, at as u32);
+            known += 1;
+        }
+        known
+    };
+    let mut end = take(first, labels, queue);
+    while next < end {
+        let at = queue.get(next).map_or(0, |&at| at as usize);
+        next += 1;
+        for near in grid.neighbours(at) {
+            let label = label_at(labels, near);
+            if label == open {
+                end = take(near, labels, queue);
+            } else if label & !OPEN != host && light(label & !OPEN) > light(beside) {
+                beside = label & !OPEN;
+            }
+        }
+    }
+    (end, beside)
+}
+
+/// The light that a host and a second source have at a pixel: the source beside it or, with none
+/// there (0), the brightest that was divided from the host, where the mirror shows that and no other.
+fn explained<L: Level>(
+    field: Field<'_, L>,
+    labels: &[u32],
+    regions: &[Region<L>],
+    [host, beside]: [u32; 2],
+) -> impl Fn(usize) -> L {
+    let divided = regions.get((host as usize).wrapping_sub(1)).map_or(0, |host| host.divided as usize);
+    let divided = label_at(labels, divided.wrapping_sub(1)) & !OPEN;
+    let other = if beside != 0 { beside } else { divided };
+    let [centre, there] = [host, other].map(|label| centre_of(regions, label));
+    move |at| {
+        let mirrored = field.mirrored(centre, at).unwrap_or(L::ZERO);
+        let shown = || field.nearest(field.across(there, at)).map_or(0, |at| label_at(labels, at) & !OPEN);
+        if other == 0 || other == host || (beside == 0 && shown() != other) {
+            return mirrored;
+        }
+        let (x, y) = field.grid.place(at);
+        mirrored + alone(field, [centre, there], (L::whole(x), L::whole(y))).unwrap_or(L::ZERO)
+    }
+}
+
+/// Makes a group of pixels the region with index `count`, divided from its host.
+fn add<L: Level>(field: Field<'_, L>, group: &[u32], host: u32, regions: &mut [Region<L>], count: usize) {
+    let centre = centre_of(regions, host);
+    let (mut value, mut peak, mut sum) = (L::ZERO, group.first().copied().unwrap_or(0), L::NOTHING);
+    for &at in group {
+        let light = excess(field, centre, at as usize);
+        sum = sum + light.times(1);
+        if light > value {
+            (value, peak) = (light, at);
+        }
+    }
+    let (x, y) = field.grid.place(peak as usize);
+    let mut divided = 0;
+    if let Some(host) = regions.get_mut((host as usize).wrapping_sub(1)) {
+        divided = host.peak.saturating_add(1);
+        host.divide(field, peak);
+    }
+    if let Some(region) = regions.get_mut(count) {
+        let centre = (L::whole(x), L::whole(y));
+        *region = Region { peak, value, sum, centre, divided, ..Region::BLANK };
+    }
+}
+
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
-/// `OTHER` times the other's mirrored light.
+/// `OTHER` times the other's mirrored light. Where that is a third source's, the pixel stays.
 pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], sweeps: u32) {
     let other_from = L::Weight::of(OTHER);
     for sweep in 0..sweeps {
@@ -132,9 +214,9 @@ pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Reg
                 if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
                     continue;
                 }
-                let light = |label: u32| regions.get(label as usize - 1).map_or(L::NOTHING, |region| region.sum);
-                let (bright, faint) = if light(best) >= light(other) { (best, other) } else { (other, best) };
-                if let Some(host) = field.mirrored(centre_of(regions, bright), at) {
+                let brighter = light_of(regions, best) >= light_of(regions, other);
+                let (bright, faint) = if brighter { (best, other) } else { (other, best) };
+                if let Some(host) = own_light(field, labels, regions, bright, at) {
                     best = if field.at(at) > host.scaled(other_from) { faint } else { bright };
                 }
             }

@@ -107,17 +107,45 @@ impl<L: Level> Field<'_, L> {
     /// The value across a centre, bilinear, not below 0: what a symmetric source has at `index`.
     /// `None` where that is beyond the frame.
     pub fn mirrored(&self, centre: (L, L), index: usize) -> Option<L> {
-        let (width, (x, y)) = (self.grid.width.get(), self.grid.place(index));
-        let (x, y) = (centre.0 + centre.0 - L::whole(x), centre.1 + centre.1 - L::whole(y));
-        let (last_x, last_y) = (width.checked_sub(2)?, self.grid.height.checked_sub(2)?);
-        if x < L::ZERO || y < L::ZERO || x > L::whole(last_x + 1) || y > L::whole(last_y + 1) {
-            return None;
-        }
-        let ((left, part_x), (below, part_y)) = (x.split(last_x), y.split(last_y));
+        self.between(self.across(centre, index))
+    }
+
+    /// The place, (x, y), on the other side of a centre.
+    pub fn across(&self, centre: (L, L), index: usize) -> (L, L) {
+        let (x, y) = self.grid.place(index);
+        opposite(centre, (L::whole(x), L::whole(y)))
+    }
+
+    /// The value at a place between pixels, bilinear, not below 0; `None` beyond the frame.
+    pub fn between(&self, place: (L, L)) -> Option<L> {
+        let width = self.grid.width.get();
+        let ((left, part_x), (below, part_y)) = self.cell(place)?;
         let first = below * width + left;
         let row = |first: usize| self.at(first) * (L::ONE - part_x) + self.at(first + 1) * part_x;
         Some((row(first) * (L::ONE - part_y) + row(first + width) * part_y).positive())
     }
+
+    /// The index of the pixel nearest to a place; `None` beyond the frame.
+    pub fn nearest(&self, place: (L, L)) -> Option<usize> {
+        let ((left, part_x), (below, part_y)) = self.cell(place)?;
+        let half = L::of(0.5);
+        Some((below + usize::from(part_y > half)) * self.grid.width.get() + left + usize::from(part_x > half))
+    }
+
+    /// The first of the four pixels around a place, by column and row, and how far the place is
+    /// from it towards the others.
+    fn cell(&self, (x, y): (L, L)) -> Option<((usize, L), (usize, L))> {
+        let (last_x, last_y) = (self.grid.width.get().checked_sub(2)?, self.grid.height.checked_sub(2)?);
+        if x < L::ZERO || y < L::ZERO || x > L::whole(last_x + 1) || y > L::whole(last_y + 1) {
+            return None;
+        }
+        Some((x.split(last_x), y.split(last_y)))
+    }
+}
+
+/// The place on the other side of a centre.
+pub fn opposite<L: Level>(centre: (L, L), place: (L, L)) -> (L, L) {
+    (centre.0 + centre.0 - place.0, centre.1 + centre.1 - place.1)
 }
 
 /// The root of a pixel's region; paths are halved on the way.

@@ -105,9 +105,12 @@ pub struct Found {
 
 /// Times the sky is measured anew without the sources.
 const ROUNDS: u32 = 2;
-/// Scales of the smoothing for the tree, of the mask's growth, of the matched image and of the
-/// sharpening, pixels.
-const SCALES: [f32; 4] = [0.8, 2.0, 1.7, 1.5];
+/// Scales of the smoothing for the tree, of the mask's growth, of the sharpening, of the matched
+/// image and of what is taken from it, pixels.
+const SCALES: [f32; 5] = [0.8, 2.0, 1.5, 1.7, 2.5];
+/// How much the matched image is sharpened: what lies on the halo of a bright source must stand
+/// above that, and what is narrow is brighter than smoothing lets it be.
+const MATCHED_SHARPENING: f32 = 0.6;
 /// Smoothing goes on where the change is below this, in its noise.
 const LEPSKI: f32 = 1.7;
 /// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
@@ -279,7 +282,7 @@ fn separate<L: Level>(
     setting: &Detection,
     work: &mut Workspace<'_, L>,
 ) -> u32 {
-    let [.., sharpness] = SCALES;
+    let [_, _, sharpness, ..] = SCALES;
     Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
     let field = Field { values: work.fine, grid };
     let (outline, mut used) = (L::of(setting.outline), 0);
@@ -357,8 +360,9 @@ fn centre_on_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut 
 
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.
 fn cut<L: Level>(grid: Grid, setting: &Detection, work: &mut Workspace<'_, L>) -> (f32, L) {
-    let [_, _, scale, _] = SCALES;
+    let [.., scale, wide] = SCALES;
     Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
+    Weights::gauss(wide).sharpen(work.fine, work.scratch, grid, MATCHED_SHARPENING);
     let matched = |at: usize| work.fine.get(at).copied().unwrap_or(L::ZERO);
     let matched_noise = noise(matched, work.masked, Keys(work.parents, work.order)).to_f32();
     let step = |at: usize| matched(at + 1) - matched(at);
@@ -398,7 +402,8 @@ fn sum_up<L: Level>(work: &mut Workspace<'_, L>) {
 
 fn is_source<L: Level>(region: &Region<L>, setting: &Detection, least: L) -> bool {
     let light = L::share(L::ONE.times(1), setting.light);
-    region.area >= setting.min_area && region.value >= least && region.sum >= light
+    let least_area = if region.divided == 0 { setting.min_area } else { setting.part_area() };
+    region.area >= least_area && region.value >= least && region.sum >= light
 }
 
 /// Drops what is no source and numbers the rest in raster order; sources and their pixels.

@@ -10,8 +10,8 @@ use crate::tree::{Field, Region};
 pub struct Detection {
     /// The outline: where the smoothed image has this many noise units. 0.1 to 100.
     pub outline: f32,
-    /// A source's peak in the matched image, as a multiple of the outline: what does not reach the
-    /// outline when it is smoothed has hardly a pixel inside. 0 to 100.
+    /// A source's peak in the matched image, as a multiple of the outline: what is hardly above it
+    /// there has hardly a pixel inside. 0 to 100.
     pub peak: f32,
     /// Peaks of pure noise that may be taken for sources in a frame, on average. 0.001 to 1000.
     pub false_sources: f32,
@@ -47,17 +47,23 @@ impl Detection {
     /// The default for every kind of sky.
     pub const DEFAULT: Detection = Detection {
         outline: 1.0,
-        peak: 1.15,
+        peak: 1.42,
         false_sources: 0.5,
-        false_share: 0.02,
+        false_share: 0.05,
         branch: 10.0,
         contrast: 0.0005,
         light: 15.0,
         min_area: 6,
-        excess: 6.0,
+        excess: 5.5,
         reopened_area: 4,
         sharpening: 0.5,
     };
+
+    /// Pixels of a part that was divided from another source, five thirds of [`Detection::min_area`]:
+    /// noise on the light of a bright galaxy makes smaller ones.
+    pub fn part_area(&self) -> u32 {
+        self.min_area.saturating_add(self.min_area.saturating_mul(2) / 3)
+    }
 
     /// Checks every setting.
     ///

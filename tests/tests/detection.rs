@@ -110,6 +110,29 @@ fn a_grainy_galaxy_stays_whole() {
     assert_eq!(found.blended, Some(vec![true, true]));
 }
 
+/// Between two galaxies there is the light of both, which the mirror image of neither has. Taken
+/// one by one, they left three to seven sources in each of these skies.
+#[test]
+fn no_source_is_where_two_galaxies_meet() {
+    let side = 256;
+    let disc = |x: f32, y: f32, at: usize| {
+        let (dx, dy) = ((at % side) as f32 - x, (at / side) as f32 - y);
+        250.0 * (-dx.hypot(dy) / 14.0).exp()
+    };
+    let mut found = Vec::new();
+    for seed in 20..24 {
+        let noise = gaussian(seed, side * side).into_iter().enumerate();
+        let pixels: Vec<f32> = noise
+            .map(|(at, noise)| {
+                let light = disc(90.0, 120.0, at) + disc(165.0, 140.0, at);
+                light + noise * (1.0 + 0.25 * light).sqrt()
+            })
+            .collect();
+        found.push(sources(&pixels, side));
+    }
+    assert!(found.iter().all(|&count| count >= 2) && found.iter().sum::<u32>() <= 9, "{found:?} sources");
+}
+
 #[test]
 fn touching_stars_are_apart() {
     let side = 96;

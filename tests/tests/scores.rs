@@ -96,7 +96,7 @@ fn the_command_agrees_with_the_independent_scorer() {
 /// A little below what was measured, so that a change that loses quality is seen; and fixed point beside it.
 #[test]
 fn the_default_keeps_its_scores_on_the_simulated_skies() {
-    for (kind, least) in [("f160", 0.887), ("deep", 0.912), ("crowded", 0.949), ("startracker", 0.990), ("lsb", 0.926)]
+    for (kind, least) in [("f160", 0.897), ("deep", 0.917), ("crowded", 0.952), ("startracker", 0.990), ("lsb", 0.932)]
     {
         let mut sums = [0.0; 2];
         for seed in 0..3 {

@@ -5,7 +5,7 @@ use crate::resources::{PROGRAMS, Table};
 use std::fmt::Write;
 
 /// The columns of the second table: title, stage and variant; with `-band` where the arithmetic needs one.
-const COLUMNS: [(&str, &str, &str); 10] = [
+const COLUMNS: [(&str, &str, &str); 12] = [
     ("normalize", "normalize", "-"),
     ("r3", "rescale", "r3"),
     ("heat", "filter", "heat"),
@@ -14,6 +14,8 @@ const COLUMNS: [(&str, &str, &str); 10] = [
     ("FD, curvature", "evolve", "fd-curvature"),
     ("SL", "evolve", "sl"),
     ("SL, curvature", "evolve", "sl-curvature"),
+    ("FD, filtered", "evolve", "fd-filtered"),
+    ("Chan-Vese", "evolve", "chan-vese"),
     ("march, a look", "march", "-"),
     ("label", "provisional", "-"),
 ];

@@ -14,8 +14,10 @@ use serde_json::json;
 use skyfront_core::config::Config;
 use std::time::Instant;
 
-/// Names of the data products beside the catalogue, in the order of writing.
-pub const DATA: [&str; 4] = ["segmentation.fits", "segmented.fits", "front.fits", "summary.json"];
+/// Names of the data products that every run has beside the catalogue, in the order of writing.
+pub const DATA: [&str; 2] = ["segmentation.fits", "summary.json"];
+/// Every source at its mean and the final front, unless the map of labels is enough.
+pub const VALUES: [&str; 2] = ["segmented.fits", "front.fits"];
 /// Sky and noise, where they are wanted.
 pub const SKY: [&str; 2] = ["background.fits", "noise.fits"];
 /// The front's arrival times, where they are wanted.
@@ -64,14 +66,16 @@ pub fn write(
         &with_unit(&header, "label, 0 = background"),
         |first, row| copy(row, &run.labels[first..], |label| label as i32),
     )?;
-    let means: Vec<f32> = run.sources.iter().map(|source| source.mean()).collect();
-    let mean = |label: u32| match label {
-        0 => 0.0,
-        label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
-    };
-    write_plane(products, "segmented.fits", (width, height), &header, |first, row| {
-        copy(row, &run.labels[first..], mean);
-    })?;
+    if !request.map_only {
+        let means: Vec<f32> = run.sources.iter().map(|source| source.mean()).collect();
+        let mean = |label: u32| match label {
+            0 => 0.0,
+            label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
+        };
+        write_plane(products, VALUES[0], (width, height), &header, |first, row| {
+            copy(row, &run.labels[first..], mean);
+        })?;
+    }
     if !run.front.is_empty() {
         let front = |first: usize, row: &mut [f32]| copy(row, &run.front[first..], |value| value);
         write_front(products, config, input, request, &front)?;
@@ -133,7 +137,7 @@ fn write_outlines(
     Ok(())
 }
 
-/// Writes the final front, and the times of its arrival where they are wanted.
+/// Writes the final front and the times of its arrival, where they are wanted.
 ///
 /// # Errors
 /// What kept it from being written.
@@ -148,7 +152,9 @@ pub fn write_front(
     let mut header = wcs::entries(&image.header);
     header.extend(provenance::entries(config, input));
     let size = (image.width, image.height);
-    write_plane(products, "front.fits", size, &header, front)?;
+    if !request.map_only {
+        write_plane(products, VALUES[1], size, &header, front)?;
+    }
     if request.arrival {
         // The marched front is the time left at t_max, in pixels of free motion; above 0 it never came.
         let time = |front: f32| if front > 0.0 { f32::NAN } else { ((front + config.farthest()) * config.dx).max(0.0) };

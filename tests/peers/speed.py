@@ -103,6 +103,7 @@ def whole(large, runs, folder):
                              "-CATALOG_TYPE", "ASCII", "-CATALOG_NAME", "peer.cat", "-NTHREADS", "1",
                              "-VERBOSE_TYPE", "QUIET"],
         "skyfront fast-marching": [*ours, "--threads", "1", "--scheme", "fast-marching"],
+        "skyfront fast-marching, --map-only": [*ours, "--threads", "1", "--scheme", "fast-marching", "--map-only"],
         "skyfront fd, start threshold": [*ours, "--threads", "1", "--band", "8", "--start", "threshold"],
         "skyfront fd from the frame, band 8": [*ours, "--threads", "1", "--band", "8"],
         "skyfront fd from the frame, band 8, 2 threads": [*ours, "--threads", "2", "--band", "8"],

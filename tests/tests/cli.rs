@@ -72,6 +72,24 @@ fn a_segmented_file_gives_the_same_bytes_as_the_demo_and_as_itself() {
 }
 
 #[test]
+fn the_map_alone_is_the_map_of_a_full_run() {
+    let (folder, sky) = with_sky("map-only");
+    let marched = ["--preset", "paper-f160", "--scheme", "fast-marching", "--arrival", "--no-pictures", "--quiet"];
+    for (run, more) in [("full", None), ("map", Some("--map-only"))] {
+        let out = folder.file(run);
+        let line = ["segment", &sky, "--out", &out].into_iter().chain(marched).chain(more);
+        assert!(skyfront(line).status.success());
+    }
+    let expected = ["arrival.fits", "catalog.csv", "catalog.fits", "segmentation.fits", "summary.json"];
+    assert_eq!(folder.names("map"), expected);
+    assert_eq!(folder.names("full").len(), expected.len() + 2);
+    for product in &expected[..4] {
+        let read = |run: &str| fs::read(folder.path().join(run).join(product)).expect("the product was written");
+        assert_eq!(read("full"), read("map"), "{product} depends on what else is written");
+    }
+}
+
+#[test]
 fn every_preset_and_scheme_runs() {
     let (folder, sky) = with_sky("schemes");
     let runs: [&[&str]; 8] = [

@@ -55,12 +55,21 @@ pub struct Request {
     pub sky: bool,
     /// Whether the front's arrival times are wanted.
     pub arrival: bool,
+    /// Whether the map of labels is enough, without the maps of the sources' means and of the front.
+    pub map_only: bool,
 }
 
 impl Default for Request {
     fn default() -> Self {
-        let formats = vec![Format::Csv, Format::Fits];
-        Request { extras: Extras::default(), formats, regions: false, polygons: false, sky: false, arrival: false }
+        Request {
+            extras: Extras::default(),
+            formats: vec![Format::Csv, Format::Fits],
+            regions: false,
+            polygons: false,
+            sky: false,
+            arrival: false,
+            map_only: false,
+        }
     }
 }
 
@@ -71,9 +80,11 @@ impl Request {
         let polygons: &[&str] = if self.polygons { &[crate::outline::POLYGONS] } else { &[] };
         let sky: &[&str] = if self.sky { &crate::outputs::SKY } else { &[] };
         let arrival: &[&str] = if self.arrival { &[crate::outputs::ARRIVAL] } else { &[] };
+        let values: &[&str] = if self.map_only { &[] } else { &crate::outputs::VALUES };
         self.formats
             .iter()
             .map(|format| format.file())
+            .chain(values.iter().copied())
             .chain(regions.iter().copied())
             .chain(polygons.iter().copied())
             .chain(sky.iter().chain(arrival).copied())

@@ -37,6 +37,9 @@ pub struct Measuring {
     /// The sky and the noise that the noise-aware segmentation found, as background.fits and noise.fits.
     #[arg(long, help_heading = "Catalogue")]
     sky_maps: bool,
+    /// Of the maps write segmentation.fits alone, without segmented.fits and front.fits.
+    #[arg(long)]
+    map_only: bool,
     /// The time at which the front came to each pixel as arrival.fits, in the paper's unit; for
     /// the fast-marching scheme in f32.
     #[arg(long, help_heading = "Front")]
@@ -62,6 +65,7 @@ impl Measuring {
             polygons: self.polygons,
             sky: self.sky_maps,
             arrival: self.arrival,
+            map_only: self.map_only,
         }
     }
 }

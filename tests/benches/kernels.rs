@@ -1,8 +1,9 @@
 //! Time of every row kernel, beside what the machine can do at best: criterion's throughput is in
 //! pixels and steps a second.
 //!
-//! `cargo bench -p skyfront-benches [-- FILTER]`. Every group has the limits, measured
-//! in the same run on planes of the same size: a pixel copied, and a square root of every pixel.
+//! `cargo bench -p skyfront-benches [-- FILTER]`. Every group has the limits, measured in the same run on
+//! planes of the same size: a pixel copied, two planes read and one written, as a step of the front
+//! does, and a square root of every pixel.
 
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
@@ -40,12 +41,31 @@ impl Task for Roots<'_> {
     }
 }
 
+/// What costs no more than to read and write.
+struct Sums<'a>(&'a [f32], &'a [f32], &'a mut [f32]);
+
+impl Task for Sums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.iter().zip(self.1).zip(self.2).for_each(|((x, y), sum)| *sum = x + y);
+    }
+}
+
 /// A group of benchmarks, which begins with the limits.
 fn group<'a>(criterion: &'a mut Criterion, name: &str) -> Group<'a> {
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(PIXELS as u64));
     let (from, mut to) = (vec![2.0f32; PIXELS], vec![0.0f32; PIXELS]);
     group.bench_function("limit: copy", |b| b.iter(|| to.copy_from_slice(black_box(&from))));
+    let speed = vec![1.0f32; PIXELS];
+    group.bench_function("limit: two planes into one", |b| {
+        b.iter(|| {
+            let rows = from.chunks(SIDE).zip(speed.chunks(SIDE)).zip(to.chunks_mut(SIDE));
+            rows.for_each(|((front, speed), to)| Native::wide(Sums(black_box(front), speed, to)));
+        });
+    });
     group.bench_function("limit: square root", |b| {
         b.iter(|| {
             let rows = from.chunks(SIDE).zip(to.chunks_mut(SIDE));

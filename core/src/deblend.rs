@@ -18,8 +18,16 @@ fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
 }
 
+fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
+    regions.get((label as usize).wrapping_sub(1))
+}
+
 fn centre_of<L: Level>(regions: &[Region<L>], label: u32) -> (L, L) {
-    regions.get((label as usize).wrapping_sub(1)).map_or((L::ZERO, L::ZERO), |region| region.centre)
+    region_of(regions, label).map_or((L::ZERO, L::ZERO), |region| region.centre)
+}
+
+fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
+    region_of(regions, label).map_or(L::NOTHING, |region| region.sum)
 }
 
 /// A pixel belongs to another source where it has more than this many times its host's mirrored light.
@@ -49,10 +57,6 @@ fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>
     }
     let foreign = alone(field, [centre, centre_of(regions, other)], across).unwrap_or(L::ZERO);
     (foreign <= light.scaled(L::Weight::of(FOREIGN))).then_some(light)
-}
-
-fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
-    regions.get((label as usize).wrapping_sub(1)).map_or(L::NOTHING, |region| region.sum)
 }
 
 /// Opens the pixels that their host's mirrored light does not explain, and makes each connected
@@ -157,7 +161,7 @@ fn explained<L: Level>(
     regions: &[Region<L>],
     [host, beside]: [u32; 2],
 ) -> impl Fn(usize) -> L {
-    let divided = regions.get((host as usize).wrapping_sub(1)).map_or(0, |host| host.divided as usize);
+    let divided = region_of(regions, host).map_or(0, |host| host.divided as usize);
     let divided = label_at(labels, divided.wrapping_sub(1)) & !OPEN;
     let other = if beside != 0 { beside } else { divided };
     let [centre, there] = [host, other].map(|label| centre_of(regions, label));
@@ -167,8 +171,7 @@ fn explained<L: Level>(
         if other == 0 || other == host || (beside == 0 && shown() != other) {
             return mirrored;
         }
-        let (x, y) = field.grid.place(at);
-        mirrored + alone(field, [centre, there], (L::whole(x), L::whole(y))).unwrap_or(L::ZERO)
+        mirrored + alone(field, [centre, there], field.place(at)).unwrap_or(L::ZERO)
     }
 }
 
@@ -183,14 +186,13 @@ fn add<L: Level>(field: Field<'_, L>, group: &[u32], host: u32, regions: &mut [R
             (value, peak) = (light, at);
         }
     }
-    let (x, y) = field.grid.place(peak as usize);
     let mut divided = 0;
     if let Some(host) = regions.get_mut((host as usize).wrapping_sub(1)) {
         divided = host.peak.saturating_add(1);
         host.divide(field, peak);
     }
     if let Some(region) = regions.get_mut(count) {
-        let centre = (L::whole(x), L::whole(y));
+        let centre = field.place(peak as usize);
         *region = Region { peak, value, sum, centre, divided, ..Region::BLANK };
     }
 }

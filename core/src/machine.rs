@@ -4,6 +4,9 @@
 //! implementation returns the same value, and the row loops are written so that their result does
 //! not depend on how many pixels are worked on at once.
 
+/// Whether the processor has vector units, which want loops of constant length.
+pub(crate) const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
+
 /// A row loop, as a thing that can be handed to a [`Machine`]. A closure would do, but nothing can
 /// oblige the compiler to inline a closure, and only inlined code gets the wider vectors.
 pub trait Task {

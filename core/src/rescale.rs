@@ -4,9 +4,8 @@
 
 use crate::arithmetic::{Arithmetic, Exponent, Real};
 use crate::config::Rescale;
-use crate::machine::Task;
+use crate::machine::{Task, VECTORS};
 use crate::noise::Estimate;
-use crate::sweep::active::VECTORS;
 
 /// The threshold `k` standard deviations above the sky, within [0, 1]. It is lowered by 2^-18 of
 /// itself: pixels of whole numbers often lie exactly there, and rounding must not decide about

@@ -5,14 +5,14 @@
 //! of `N` rows, each padded by `R` cells on both sides. Beyond the frame every row and column is
 //! repeated (homogeneous Neumann conditions), here and nowhere else.
 
-pub(crate) mod active;
+mod active;
 mod run;
 
 use crate::arithmetic::Arithmetic;
 use crate::beside::Beside;
-use crate::machine::Task;
+use crate::machine::{Task, VECTORS};
 use crate::tiles::{COLUMNS, Marker, Tiles};
-use active::{ActiveRow, VECTORS};
+use active::ActiveRow;
 use core::ops::Range;
 use run::{Run, Saved};
 

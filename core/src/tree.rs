@@ -110,10 +110,15 @@ impl<L: Level> Field<'_, L> {
         self.between(self.across(centre, index))
     }
 
-    /// The place, (x, y), on the other side of a centre.
-    pub fn across(&self, centre: (L, L), index: usize) -> (L, L) {
+    /// The place, (x, y), of a pixel.
+    pub fn place(&self, index: usize) -> (L, L) {
         let (x, y) = self.grid.place(index);
-        opposite(centre, (L::whole(x), L::whole(y)))
+        (L::whole(x), L::whole(y))
+    }
+
+    /// The place on the other side of a centre.
+    pub fn across(&self, centre: (L, L), index: usize) -> (L, L) {
+        opposite(centre, self.place(index))
     }
 
     /// The value at a place between pixels, bilinear, not below 0; `None` beyond the frame.

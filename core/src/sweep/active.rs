@@ -5,9 +5,6 @@ use crate::arithmetic::{Arithmetic, Cell};
 use crate::beside::Beside;
 use crate::tiles::{COLUMNS, Marker};
 
-/// Whether the processor has vector units, which want loops of constant length.
-pub(crate) const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
-
 /// Cells of the pieces that wide rows are worked on in.
 const WIDE: usize = 4 * COLUMNS;
 

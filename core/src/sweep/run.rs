@@ -1,9 +1,9 @@
 //! The ring of old rows: what a sweep saves of a row before it is overwritten, and the window of
 //! rows that a kernel sees.
 
-use super::active::VECTORS;
 use super::{Band, Halo, row_of, row_stride};
 use crate::beside::Beside;
+use crate::machine::VECTORS;
 use crate::tiles::COLUMNS;
 use core::ops::Range;
 

@@ -81,3 +81,4 @@ pub mod sum;
 pub mod sweep;
 pub mod tiles;
 pub mod tree;
+pub mod vectors;

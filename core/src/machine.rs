@@ -4,6 +4,8 @@
 //! implementation returns the same value, and the row loops are written so that their result does
 //! not depend on how many pixels are worked on at once.
 
+use crate::vectors::{NoVectors, Vectors};
+
 /// Whether the processor has vector units, which want loops of constant length.
 pub(crate) const VECTORS: bool = cfg!(any(target_arch = "x86_64", target_arch = "aarch64"));
 
@@ -19,6 +21,15 @@ pub trait Task {
 
 /// A processor, as the row loops see it.
 pub trait Machine: Copy + Default + core::fmt::Debug + Send + Sync + 'static {
+    /// Its vector units for single precision, or [`NoVectors`].
+    type Vectors: Vectors<Cell = f32, Real = f32>;
+
+    /// The vector units, where this very processor has them.
+    #[inline(always)]
+    fn vectors() -> Option<Self::Vectors> {
+        None
+    }
+
     /// The square root of `x >= 0`, correctly rounded (IEEE 754, ties to even).
     fn sqrt(x: f32) -> f32;
 
@@ -34,6 +45,8 @@ pub trait Machine: Copy + Default + core::fmt::Debug + Send + Sync + 'static {
 pub struct Plain;
 
 impl Machine for Plain {
+    type Vectors = NoVectors<f32, f32>;
+
     #[inline]
     fn sqrt(x: f32) -> f32 {
         libm::sqrtf(x)

@@ -11,6 +11,8 @@
 //! sides (width^2 times gain) is equal, so that the profile travels at the speed of the front.
 
 use crate::arithmetic::{Arithmetic, Real};
+use crate::tiles::COLUMNS;
+use crate::vectors::Vectors;
 
 /// How far below zero a banded front goes, in pixels: as deep as the paper's `u0` at the border.
 pub const FLOOR: f32 = 1.5;
@@ -44,6 +46,24 @@ impl<A: Arithmetic> Settle<A> {
         let band_to_settle = band.filter(|_| A::NEEDS_BAND.is_none());
         let sides = band_to_settle.map(|band| (Side::new(band), Side::new(FLOOR)));
         Settle { sides, anchor: A::anchor(band.unwrap_or(1.0)) }
+    }
+
+    /// [`Self::row`] on vector units.
+    #[inline(always)]
+    pub fn on_vectors(&self, vectors: A::Vectors, tiles: &mut [[A::Cell; COLUMNS]]) {
+        let Settle { sides, anchor } = *self;
+        let Some((above, below)) = sides else { return };
+        for tile in tiles {
+            let v = vectors.load(tile);
+            let over = vectors.positive(vectors.minus(v, vectors.splat(above.half)));
+            let under = vectors.positive(vectors.minus(vectors.splat(-below.half), v));
+            let over = vectors.times(vectors.splat(above.gain), over);
+            let under = vectors.times(vectors.splat(below.gain), under);
+            let value = vectors.plus(v, vectors.minus(over, under));
+            let value = vectors.least(value, vectors.splat(above.limit));
+            let value = vectors.greatest(value, vectors.splat(-below.limit));
+            vectors.store(vectors.minus(vectors.plus(value, vectors.splat(anchor)), vectors.splat(anchor)), tile);
+        }
     }
 
     /// Settles a piece of a row.

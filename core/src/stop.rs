@@ -3,6 +3,9 @@
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme, Stop};
 use crate::region::Moments;
+use crate::sweep::RowOf;
+use crate::tiles::COLUMNS;
+use crate::vectors::Vectors;
 
 /// What one step changed near the front. Parts of a step add up in any order to the same value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,12 +46,31 @@ impl<A: Arithmetic> Change<A> {
     pub fn observe(&mut self, old: &[A::Cell], new: &[A::Cell]) {
         self.sum = self.sum.saturating_add(A::change(old, new, self.near.limit));
         if self.near.count_crossings {
-            let crossed = old.iter().zip(new).filter(|&(&v, &w)| {
-                let v = A::level(v);
-                v.magnitude() <= self.near.limit && (v > A::Real::ZERO) != (A::level(w) > A::Real::ZERO)
-            });
-            self.crossings = self.crossings.saturating_add(crossed.count() as u32);
+            self.cross(old, new);
         }
+    }
+
+    /// [`Self::observe`] on vector units.
+    #[inline(always)]
+    pub fn observe_on_vectors(&mut self, vectors: A::Vectors, old: RowOf<A>, new: RowOf<A>) {
+        self.sum = self.sum.saturating_add(vectors.change(old, new, self.near.limit));
+        if self.near.count_crossings {
+            let mut cells = [[A::Cell::default(); COLUMNS]; 2];
+            let [before, after] = &mut cells;
+            vectors.store(old, before);
+            vectors.store(new, after);
+            self.cross(before, after);
+        }
+    }
+
+    /// Counts the pixels that cross zero.
+    #[inline(always)]
+    fn cross(&mut self, old: &[A::Cell], new: &[A::Cell]) {
+        let crossed = old.iter().zip(new).filter(|&(&v, &w)| {
+            let v = A::level(v);
+            v.magnitude() <= self.near.limit && (v > A::Real::ZERO) != (A::level(w) > A::Real::ZERO)
+        });
+        self.crossings = self.crossings.saturating_add(crossed.count() as u32);
     }
 
     /// Adds what another part of the same step changed.

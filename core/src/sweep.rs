@@ -12,6 +12,7 @@ use crate::arithmetic::Arithmetic;
 use crate::beside::Beside;
 use crate::machine::{Task, VECTORS};
 use crate::tiles::{COLUMNS, Marker, Tiles};
+use crate::vectors::Vectors;
 use active::ActiveRow;
 use core::ops::Range;
 use run::{Run, Saved};
@@ -31,10 +32,44 @@ pub trait Kernel<A: Arithmetic, const N: usize> {
     /// `new` starts as the old row itself, W cells.
     fn row(&mut self, old: &[&[A::Cell]; N], aux: &[A::Cell], new: &mut [A::Cell]);
 
+    /// Whether a row of a tile can be computed on vector units: the methods below are there.
+    const ON_VECTORS: bool = false;
+
+    /// [`Self::row`] for a row of a tile.
+    #[inline(always)]
+    fn on_vectors(&self, vectors: A::Vectors, tile: &Tile<'_, A::Cell>) -> RowOf<A> {
+        vectors.load(tile.centre)
+    }
+
+    /// What [`Self::settle`] adjusts, for some rows of tiles.
+    #[inline(always)]
+    fn settle_on_vectors(&self, vectors: A::Vectors, new: &mut [[A::Cell; COLUMNS]]) {
+        let _ = (vectors, new);
+    }
+
+    /// What [`Self::settle`] takes note of, for a row of a tile.
+    #[inline(always)]
+    fn observe_on_vectors(&mut self, vectors: A::Vectors, old: RowOf<A>, new: RowOf<A>) {
+        let _ = (vectors, old, new);
+    }
+
     /// Takes note of what was computed, and may adjust it cell by cell; only in sweeps over tiles.
     fn settle(&mut self, old: &[A::Cell], aux: &[A::Cell], new: &mut [A::Cell]) {
         let _ = (old, aux, new);
     }
+}
+
+/// The numbers of a row of a tile in vector units.
+pub type RowOf<A> = <<A as Arithmetic>::Vectors as Vectors>::Row;
+
+/// A row of a tile and what lies around it, before the step.
+pub struct Tile<'a, C> {
+    /// The row itself.
+    pub centre: &'a [C; COLUMNS],
+    /// Its neighbours: left, right, below, above.
+    pub sides: [&'a [C; COLUMNS]; 4],
+    /// What lies beside it in the other plane.
+    pub beside: &'a [C; COLUMNS],
 }
 
 /// Rows that stand in for the frame's edge where a plane is only a band of the frame: each slice

@@ -167,6 +167,21 @@ impl Marker {
         Marker { row: CHANGED | bottom | top }
     }
 
+    /// Whether `flag` has all that a change in this row can set.
+    #[inline(always)]
+    pub(crate) fn is_complete(self, flag: u8) -> bool {
+        let all = self.row | LEFT | RIGHT;
+        flag & all == all
+    }
+
+    /// Adds to `flag` what a change of the cells sets whose bits are set, the first cell's lowest.
+    #[inline(always)]
+    pub(crate) fn mark_bits<const N: usize>(self, flag: &mut u8, bits: u32) {
+        let margin = (1 << (N / 2)) - 1;
+        let at = |cells: u32, side: u8| if bits & cells == 0 { 0 } else { side };
+        *flag |= at(u32::MAX, self.row) | at(margin, LEFT) | at(margin << (COLUMNS - N / 2), RIGHT);
+    }
+
     /// Adds to `flag` what a change from `old` to `new` in this row of the tile sets.
     #[inline(always)]
     pub(crate) fn mark<C: Cell, const N: usize>(self, flag: &mut u8, old: &[C], new: &[C]) {

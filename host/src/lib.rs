@@ -1,6 +1,8 @@
 //! The host side of Skyfront: files in, the core at work, files and pictures out.
 
 pub mod arithmetics;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 pub mod background;
 pub mod catalogue;
 pub mod cli;

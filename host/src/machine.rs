@@ -4,12 +4,25 @@
 //! loops do not depend on how many pixels are worked on at once.
 
 use skyfront_core::machine::{Machine, Task};
+#[cfg(not(target_arch = "x86_64"))]
+use skyfront_core::vectors::NoVectors;
 
 /// This computer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Native;
 
 impl Machine for Native {
+    #[cfg(target_arch = "x86_64")]
+    type Vectors = crate::avx2::Avx2;
+    #[cfg(not(target_arch = "x86_64"))]
+    type Vectors = NoVectors<f32, f32>;
+
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn vectors() -> Option<Self::Vectors> {
+        crate::avx2::Avx2::detect()
+    }
+
     #[inline(always)]
     fn sqrt(x: f32) -> f32 {
         x.sqrt()

@@ -70,8 +70,8 @@ impl Cell for f32 {
 
 /// Cells that are looked at together: their changes surely add up in 32 bits.
 const PIECE: usize = 32;
-/// The largest change that is told from larger ones: the last step before 1/2.
-const LARGEST_CHANGE: f32 = 0.499_999_97;
+/// The largest change of a cell that is told from larger ones: the last step before 1/2.
+pub const LARGEST_CHANGE: f32 = 0.499_999_97;
 
 impl<M: Machine> Sealed for F32<M> {}
 
@@ -85,6 +85,12 @@ impl<M: Machine> Arithmetic for F32<M> {
 
     type Real = f32;
     type Cell = f32;
+    type Vectors = M::Vectors;
+
+    #[inline(always)]
+    fn vectors() -> Option<M::Vectors> {
+        M::vectors()
+    }
 
     #[inline(always)]
     fn pixel(cell: f32) -> f32 {

@@ -15,12 +15,13 @@ mod roots;
 
 pub use exponent::Exponent;
 pub use fixed32::{Fixed, Fixed14, Fixed24};
-pub use float::F32;
+pub use float::{F32, LARGEST_CHANGE};
 pub use level::Level;
 pub use q11::{Narrow, Q11};
 pub use q24::Q24;
 
 use crate::machine::{Machine, Plain, Task};
+use crate::vectors::Vectors;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
@@ -132,6 +133,14 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + Send + Sync + 's
     type Real: Real;
     /// What planes and scratch rows are made of.
     type Cell: Cell;
+    /// Vector units for rows of tiles, or [`NoVectors`](crate::vectors::NoVectors).
+    type Vectors: Vectors<Cell = Self::Cell, Real = Self::Real>;
+
+    /// The vector units, where the processor has them.
+    #[inline(always)]
+    fn vectors() -> Option<Self::Vectors> {
+        None
+    }
 
     /// Image value or edge detector, in [0, 1], from its cell.
     fn pixel(cell: Self::Cell) -> Self::Real;

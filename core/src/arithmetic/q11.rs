@@ -5,6 +5,7 @@
 
 use super::fixed32::Fixed24;
 use super::{Arithmetic, Bits, Cell, Exponent, Real, elementary, roots, sealed::Sealed};
+use crate::vectors::NoVectors;
 use fixed::types::{I5F11, U1F15};
 
 /// Fixed point in 16-bit planes; the front needs a band.
@@ -72,6 +73,7 @@ impl Arithmetic for Q11 {
 
     type Real = Fixed24;
     type Cell = Narrow;
+    type Vectors = NoVectors<Narrow, Fixed24>;
 
     #[inline(always)]
     fn pixel(cell: Narrow) -> Fixed24 {

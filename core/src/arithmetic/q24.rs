@@ -2,6 +2,7 @@
 
 use super::fixed32::Fixed24;
 use super::{Arithmetic, Exponent, Real, elementary, roots, sealed::Sealed};
+use crate::vectors::NoVectors;
 
 /// Fixed point with 24 fraction bits in planes and kernels: range [-128, 128), step 2^-24.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,6 +20,7 @@ impl Arithmetic for Q24 {
 
     type Real = Fixed24;
     type Cell = Fixed24;
+    type Vectors = NoVectors<Fixed24, Fixed24>;
 
     #[inline(always)]
     fn pixel(cell: Fixed24) -> Fixed24 {

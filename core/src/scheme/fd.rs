@@ -3,8 +3,9 @@
 use super::{Evolve, Step, tracked};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
-use crate::sweep::{Band, Kernel, cross};
-use crate::tiles::Tiles;
+use crate::sweep::{Band, Kernel, RowOf, Tile, cross};
+use crate::tiles::{COLUMNS, Tiles};
+use crate::vectors::Vectors;
 use core::ops::Range;
 
 /// The scheme `DFg`. Monotone while `dt g / dx <= 1/2`.
@@ -16,6 +17,7 @@ pub struct Fd<A: Arithmetic> {
 
 impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
     const CORNERS: bool = false;
+    const ON_VECTORS: bool = true;
 
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], speed: &[A::Cell], new: &mut [A::Cell]) {
@@ -26,6 +28,30 @@ impl<A: Arithmetic> Kernel<A, 3> for Fd<A> {
             *new = A::retreat(v, around, courant, g);
         }
     }
+
+    /// [`Arithmetic::retreat`] on vector units.
+    #[inline(always)]
+    fn on_vectors(&self, vectors: A::Vectors, tile: &Tile<'_, A::Cell>) -> RowOf<A> {
+        let v = vectors.load(tile.centre);
+        let [l, r, b, a] = tile.sides;
+        let (row, column) = (squares::<A>(vectors, v, l, r), squares::<A>(vectors, v, b, a));
+        let squares = vectors.plus(row, column);
+        let reach = vectors.times(vectors.splat(self.courant), vectors.load(tile.beside));
+        vectors.minus(v, vectors.times(reach, vectors.root(squares)))
+    }
+}
+
+/// The sum of the squared drops towards two neighbours.
+#[inline(always)]
+fn squares<A: Arithmetic>(
+    vectors: A::Vectors,
+    v: RowOf<A>,
+    one: &[A::Cell; COLUMNS],
+    other: &[A::Cell; COLUMNS],
+) -> RowOf<A> {
+    let one = vectors.positive(vectors.minus(v, vectors.load(one)));
+    let other = vectors.positive(vectors.minus(v, vectors.load(other)));
+    vectors.plus(vectors.times(one, one), vectors.times(other, other))
 }
 
 impl<A: Arithmetic> Evolve<A> for Fd<A> {

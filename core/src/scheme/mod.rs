@@ -29,8 +29,8 @@ use crate::config::{Config, Scheme};
 use crate::region::Means;
 use crate::settle::Settle;
 use crate::stop::Change;
-use crate::sweep::{Band, Kernel, advance_active, shifted};
-use crate::tiles::Tiles;
+use crate::sweep::{Band, Kernel, RowOf, Tile, advance_active, shifted};
+use crate::tiles::{COLUMNS, Tiles};
 use core::ops::Range;
 
 /// A scheme for the evolution, chosen at compile time (one scheme in the program) or at run time
@@ -78,6 +78,7 @@ struct Tracked<A: Arithmetic, K> {
 impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<A, K> {
     const CORNERS: bool = K::CORNERS;
     const AROUND: bool = K::AROUND;
+    const ON_VECTORS: bool = K::ON_VECTORS;
 
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; N], speed: &[A::Cell], new: &mut [A::Cell]) {
@@ -88,6 +89,21 @@ impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<A,
     fn settle(&mut self, old: &[A::Cell], _: &[A::Cell], new: &mut [A::Cell]) {
         self.step.settle.row(new);
         self.step.change.observe(old, new);
+    }
+
+    #[inline(always)]
+    fn on_vectors(&self, vectors: A::Vectors, tile: &Tile<'_, A::Cell>) -> RowOf<A> {
+        self.kernel.on_vectors(vectors, tile)
+    }
+
+    #[inline(always)]
+    fn settle_on_vectors(&self, vectors: A::Vectors, new: &mut [[A::Cell; COLUMNS]]) {
+        self.step.settle.on_vectors(vectors, new);
+    }
+
+    #[inline(always)]
+    fn observe_on_vectors(&mut self, vectors: A::Vectors, old: RowOf<A>, new: RowOf<A>) {
+        self.step.change.observe_on_vectors(vectors, old, new);
     }
 }
 

@@ -1,9 +1,10 @@
 //! A row of active tiles: the kernel, the settling of what it computed, and the marks of what changed.
 
-use super::{Kernel, centre_of, shifted};
+use super::{Kernel, Tile, centre_of, shifted};
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::beside::Beside;
 use crate::tiles::{COLUMNS, Marker};
+use crate::vectors::Vectors;
 
 /// Cells of the pieces that wide rows are worked on in.
 const WIDE: usize = 4 * COLUMNS;
@@ -38,6 +39,11 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
     #[inline(always)]
     pub fn tile_by_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(mut self, kernel: &mut K) {
         let mut x = 0;
+        if K::ON_VECTORS
+            && let Some(vectors) = A::vectors()
+        {
+            x = self.on_vectors::<A, K>(kernel, vectors);
+        }
         // What looks around in the other plane sees one tile of it at a time.
         while !K::AROUND && self.tiles::<A, K, WIDE>(kernel, x) {
             x += WIDE;
@@ -46,6 +52,34 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
             x += COLUMNS;
         }
         self.last_tile::<A, K>(kernel, x);
+    }
+
+    /// The whole tiles, on vector units; the number of cells that are done. One pass for each part
+    /// of the work: in short chains from a load to a store more operations overlap.
+    #[inline(always)]
+    fn on_vectors<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(&mut self, kernel: &mut K, vectors: A::Vectors) -> usize {
+        let ActiveRow { old, aux, new, flags, marker, .. } = self;
+        let (radius, new) = (N / 2, new.as_chunks_mut::<COLUMNS>().0);
+        let width = new.len() * COLUMNS;
+        let tiles = |row: usize, x: usize| tiles_of(old.get(row).copied().unwrap_or(&[]), x, width);
+        let centre = tiles(radius, radius);
+        let (left, right) = (tiles(radius, radius - 1), tiles(radius, radius + 1));
+        let (below, above) = (tiles(radius - 1, radius), tiles(radius + 1, radius));
+        let sides = left.iter().zip(right).zip(below).zip(above);
+        let around = centre.iter().zip(sides).zip(tiles_of(aux, 0, width));
+        for (new, ((centre, (((left, right), below), above)), beside)) in new.iter_mut().zip(around) {
+            let tile = Tile { centre, sides: [left, right, below, above], beside };
+            vectors.store(kernel.on_vectors(vectors, &tile), new);
+        }
+        kernel.settle_on_vectors(vectors, new);
+        for ((new, old), flag) in new.iter().zip(centre).zip(flags.iter_mut()) {
+            let (old, new) = (vectors.load(old), vectors.load(new));
+            kernel.observe_on_vectors(vectors, old, new);
+            if !marker.is_complete(*flag) {
+                marker.mark_bits::<N>(flag, vectors.differing(old, new));
+            }
+        }
+        width
     }
 
     /// The `W` cells from cell `x` on, whole tiles; `false` where the row has no more so many.
@@ -109,6 +143,12 @@ fn compute<A: Arithmetic, K: Kernel<A, N>, const N: usize>(
     } else {
         kernel.row(window, aux, new);
     }
+}
+
+/// The rows of tiles in `width` cells of a row from cell `start` on.
+#[inline(always)]
+fn tiles_of<C>(row: &[C], start: usize, width: usize) -> &[[C; COLUMNS]] {
+    row.get(start..start + width).unwrap_or(&[]).as_chunks::<COLUMNS>().0
 }
 
 /// The window of `W` cells from cell `x` on in a window of rows.

@@ -3,6 +3,7 @@
 use super::{PAINT, read, write};
 use core::arch::{asm, global_asm};
 use skyfront_core::machine::Machine;
+use skyfront_core::vectors::NoVectors;
 
 /// Whether [`ticks`] tells anything.
 pub const COUNTS: bool = true;
@@ -94,6 +95,8 @@ pub fn stop() -> ! {
 pub struct Processor;
 
 impl Machine for Processor {
+    type Vectors = NoVectors<f32, f32>;
+
     #[cfg(target_abi = "eabihf")]
     #[inline(always)]
     fn sqrt(x: f32) -> f32 {

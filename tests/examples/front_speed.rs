@@ -1,7 +1,7 @@
 //! What `tests/peers/speed` needs from inside: a simulated sky as a file, and the time that the
 //! front alone takes on an image, with the edge detector it moved on.
 //!
-//! `front_speed sky SIDE FILE`; `front_speed front IMAGE EDGE [BAND]` writes the edge detector as
+//! `front_speed sky SIDE FILE`; `front_speed front IMAGE EDGE DT [BAND]` writes the edge detector as
 //! little-endian f32 and prints seconds of processor time, steps, width and height.
 
 use skyfront::machine::Native;
@@ -37,14 +37,14 @@ fn sky(side: usize, file: &Path) -> Result<(), Box<dyn Error>> {
     Ok(writer.finish()?)
 }
 
-fn front(image: &Path, edge: &Path, band: Option<f32>) -> Result<(), Box<dyn Error>> {
+fn front(image: &Path, edge: &Path, dt: f32, band: Option<f32>) -> Result<(), Box<dyn Error>> {
     let image = read::image(image, None)?;
     let (width, height) = (image.width, image.height);
     let count = width * height;
     let (mut plane, mut front) = (vec![0.0; count], vec![0.0; count]);
     let (mut ring, mut tiles) = (vec![0.0; ring_cells(width, false)], vec![0; flags_len(width, height)]);
     let (mut samples, mut counts, mut sources) = (vec![0.0; width], Histogram::EMPTY, vec![Source::empty(0); 10_000]);
-    let config = Config { band, ..Config::PAPER_F160 };
+    let config = Config { dt, band, ..Config::PAPER_F160 };
     let frame = &mut SliceFrame(&image.pixels);
     let (mut seconds, mut steps) = (0.0, 0);
     for _ in 0..ROUNDS {
@@ -80,8 +80,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["sky", side, file] => sky(side.parse()?, Path::new(file)),
-        ["front", image, edge] => front(Path::new(image), Path::new(edge), None),
-        ["front", image, edge, band] => front(Path::new(image), Path::new(edge), Some(band.parse()?)),
-        _ => Err("front_speed sky SIDE FILE, or front_speed front IMAGE EDGE [BAND]".into()),
+        ["front", image, edge, dt] => front(Path::new(image), Path::new(edge), dt.parse()?, None),
+        ["front", image, edge, dt, band] => {
+            front(Path::new(image), Path::new(edge), dt.parse()?, Some(band.parse()?))
+        }
+        _ => Err("front_speed sky SIDE FILE, or front_speed front IMAGE EDGE DT [BAND]".into()),
     }
 }

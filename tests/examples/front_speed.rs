@@ -81,9 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match words.as_slice() {
         ["sky", side, file] => sky(side.parse()?, Path::new(file)),
         ["front", image, edge, dt] => front(Path::new(image), Path::new(edge), dt.parse()?, None),
-        ["front", image, edge, dt, band] => {
-            front(Path::new(image), Path::new(edge), dt.parse()?, Some(band.parse()?))
-        }
+        ["front", image, edge, dt, band] => front(Path::new(image), Path::new(edge), dt.parse()?, Some(band.parse()?)),
         _ => Err("front_speed sky SIDE FILE, or front_speed front IMAGE EDGE DT [BAND]".into()),
     }
 }

@@ -5,7 +5,7 @@ use skyfront::machine::Native;
 use skyfront::pipeline::{Drive, Segmentation, segment_in};
 use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Bits, F32, Q11, Q24};
-use skyfront_core::config::{Config, Rescale, Scheme, Start};
+use skyfront_core::config::{Config, Rescale, Scheme, Start, Stop};
 use skyfront_core::error::Error;
 use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::machine::Plain;
@@ -124,12 +124,12 @@ fn skipping_tiles_at_rest_changes_no_bit() {
 fn threads_and_vectors_change_no_bit() {
     let pixels = sky(Kind::Bright, 3, WIDTH, HEIGHT);
     for scheme in schemes() {
-        for config in [faint(scheme), banded(scheme)] {
+        for config in [faint(scheme), banded(scheme), Config { stop: Stop::Rate, ..banded(scheme) }] {
             let one = bits(&run::<F32<Native>>(&config, &pixels, WIDTH, 1));
             assert!(one == bits(&run::<F32<Plain>>(&config, &pixels, WIDTH, 1)), "plain code, {scheme:?}");
             for threads in [2, 3, 64] {
                 let many = bits(&run::<F32<Native>>(&config, &pixels, WIDTH, threads));
-                assert!(one == many, "{threads} threads, {scheme:?}, band {:?}", config.band);
+                assert!(one == many, "{threads} threads, {scheme:?}, band {:?}, {:?}", config.band, config.stop);
             }
         }
         let q11 = |threads| bits(&run::<Q11>(&banded(scheme), &pixels, WIDTH, threads));
@@ -149,6 +149,21 @@ fn a_band_changes_few_pixels() {
                     (run::<F32<Native>>(&paper, &pixels, 200, 1), run::<F32<Native>>(&narrow, &pixels, 200, 1));
                 assert!(differing(&a, &b) <= pixels.len() / 500, "{kind:?} {scheme:?}: {}", differing(&a, &b));
             }
+        }
+    }
+}
+
+#[test]
+fn the_longest_step_finds_the_same_objects_in_half_the_steps() {
+    for kind in [Kind::Bright, Kind::Noisy, Kind::Stars] {
+        let pixels = sky(kind, 4, 200, 160);
+        for band in [None, Some(8.0)] {
+            let paper = Config { band, ..Config::PAPER_F160 };
+            let long = Config { dt: 0.5 * paper.dx, ..paper };
+            let (a, b) = (run::<F32<Native>>(&paper, &pixels, 200, 1), run::<F32<Native>>(&long, &pixels, 200, 1));
+            assert!(differing(&a, &b) <= pixels.len() / 1000, "{kind:?} {band:?}: {}", differing(&a, &b));
+            let (a, b) = (a.outcome.steps, b.outcome.steps);
+            assert!(b <= a / 2 + 10, "{kind:?} {band:?}: {b} steps, {a} of the paper's");
         }
     }
 }

@@ -48,6 +48,20 @@ impl<A: Arithmetic> Settle<A> {
         Settle { sides, anchor: A::anchor(band.unwrap_or(1.0)) }
     }
 
+    /// Settles a piece of a row.
+    #[inline(always)]
+    pub fn row(&self, row: &mut [A::Cell]) {
+        let Settle { sides, anchor } = *self;
+        let Some((above, below)) = sides else { return };
+        for cell in row {
+            let v = A::level(*cell);
+            // A difference: operands of a sum would be swapped at will, in every other lane.
+            let growth = above.gain * (v - above.half).positive() - below.gain * (-below.half - v).positive();
+            let value = (v + growth).least(above.limit).greatest(-below.limit);
+            *cell = A::to_level(A::on_grid(value, anchor));
+        }
+    }
+
     /// [`Self::row`] on vector units.
     #[inline(always)]
     pub fn on_vectors(&self, vectors: A::Vectors, tiles: &mut [[A::Cell; COLUMNS]]) {
@@ -63,20 +77,6 @@ impl<A: Arithmetic> Settle<A> {
             let value = vectors.least(value, vectors.splat(above.limit));
             let value = vectors.greatest(value, vectors.splat(-below.limit));
             vectors.store(vectors.minus(vectors.plus(value, vectors.splat(anchor)), vectors.splat(anchor)), tile);
-        }
-    }
-
-    /// Settles a piece of a row.
-    #[inline(always)]
-    pub fn row(&self, row: &mut [A::Cell]) {
-        let Settle { sides, anchor } = *self;
-        let Some((above, below)) = sides else { return };
-        for cell in row {
-            let v = A::level(*cell);
-            // A difference: operands of a sum would be swapped at will, in every other lane.
-            let growth = above.gain * (v - above.half).positive() - below.gain * (-below.half - v).positive();
-            let value = (v + growth).least(above.limit).greatest(-below.limit);
-            *cell = A::to_level(A::on_grid(value, anchor));
         }
     }
 }

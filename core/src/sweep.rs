@@ -32,6 +32,11 @@ pub trait Kernel<A: Arithmetic, const N: usize> {
     /// `new` starts as the old row itself, W cells.
     fn row(&mut self, old: &[&[A::Cell]; N], aux: &[A::Cell], new: &mut [A::Cell]);
 
+    /// Takes note of what was computed, and may adjust it cell by cell; only in sweeps over tiles.
+    fn settle(&mut self, old: &[A::Cell], aux: &[A::Cell], new: &mut [A::Cell]) {
+        let _ = (old, aux, new);
+    }
+
     /// Whether a row of a tile can be computed on vector units: the methods below are there.
     const ON_VECTORS: bool = false;
 
@@ -51,11 +56,6 @@ pub trait Kernel<A: Arithmetic, const N: usize> {
     #[inline(always)]
     fn observe_on_vectors(&mut self, vectors: A::Vectors, old: RowOf<A>, new: RowOf<A>) {
         let _ = (vectors, old, new);
-    }
-
-    /// Takes note of what was computed, and may adjust it cell by cell; only in sweeps over tiles.
-    fn settle(&mut self, old: &[A::Cell], aux: &[A::Cell], new: &mut [A::Cell]) {
-        let _ = (old, aux, new);
     }
 }
 
@@ -272,7 +272,7 @@ pub fn centre_of<'a, C, const N: usize>(old: &[&'a [C]; N], width: usize) -> &'a
     old.get(N / 2).and_then(|row| row.get(N / 2..N / 2 + width)).unwrap_or(&[])
 }
 
-/// The pixel and its four neighbours in a window of three padded rows, as rows of equal length.
+/// The pixel and its four neighbours in a window of padded rows, as rows that are long enough.
 pub struct Cross<'a, C> {
     /// The row itself.
     pub centre: &'a [C],
@@ -297,14 +297,15 @@ impl<C: Copy> Cross<'_, C> {
 
 /// The five-point neighbourhood of a window.
 #[inline(always)]
-pub fn cross<'a, C>(old: &[&'a [C]; 3]) -> Cross<'a, C> {
-    let [below, centre, above] = *old;
+pub fn cross<'a, C, const N: usize>(old: &[&'a [C]; N]) -> Cross<'a, C> {
+    let radius = N / 2;
+    let row = |y: usize, x: usize| old.get(y).map_or(&[][..], |row| shifted(row, x));
     Cross {
-        centre: shifted(centre, 1),
-        left: centre,
-        right: shifted(centre, 2),
-        below: shifted(below, 1),
-        above: shifted(above, 1),
+        centre: row(radius, radius),
+        left: row(radius, radius - 1),
+        right: row(radius, radius + 1),
+        below: row(radius - 1, radius),
+        above: row(radius + 1, radius),
     }
 }
 

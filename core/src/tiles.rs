@@ -178,24 +178,30 @@ impl Marker {
     #[inline(always)]
     pub(crate) fn mark_bits<const N: usize>(self, flag: &mut u8, bits: u32) {
         let margin = (1 << (N / 2)) - 1;
-        let at = |cells: u32, side: u8| if bits & cells == 0 { 0 } else { side };
-        *flag |= at(u32::MAX, self.row) | at(margin, LEFT) | at(margin << (COLUMNS - N / 2), RIGHT);
+        if bits != 0 {
+            self.set(flag, bits & margin != 0, bits & margin << (COLUMNS - N / 2) != 0);
+        }
     }
 
     /// Adds to `flag` what a change from `old` to `new` in this row of the tile sets.
     #[inline(always)]
     pub(crate) fn mark<C: Cell, const N: usize>(self, flag: &mut u8, old: &[C], new: &[C]) {
         // Where the front moves, most tiles have all their flags after a row or two.
-        let all = self.row | LEFT | RIGHT;
-        if *flag & all == all {
+        if self.is_complete(*flag) {
             return;
         }
         let differ = |(v, w): (&C, &C)| v.bits() != w.bits();
         if old.iter().zip(new).fold(0, |bits, (v, w)| bits | (v.bits() ^ w.bits())) != 0 {
             let left = old.iter().zip(new).take(N / 2).any(differ);
             let right = old.iter().zip(new).skip(new.len().saturating_sub(N / 2)).any(differ);
-            *flag |= self.row | if left { LEFT } else { 0 } | if right { RIGHT } else { 0 };
+            self.set(flag, left, right);
         }
+    }
+
+    /// Adds to `flag` what a change sets, at the tile's `left` or `right` margin too.
+    #[inline(always)]
+    fn set(self, flag: &mut u8, left: bool, right: bool) {
+        *flag |= self.row | if left { LEFT } else { 0 } | if right { RIGHT } else { 0 };
     }
 }
 

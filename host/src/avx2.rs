@@ -44,17 +44,18 @@ impl Vectors for Avx2 {
 
     #[inline(always)]
     fn load(self, cells: &[f32; COLUMNS]) -> Row {
-        let [low, high] = halves(cells);
-        // SAFETY: AVX2 as above; each half has the eight numbers that are read, at any alignment.
-        unsafe { [_mm256_loadu_ps(low.as_ptr()), _mm256_loadu_ps(high.as_ptr())] }
+        let first = cells.as_ptr();
+        // SAFETY: AVX2 as above; sixteen numbers are there to be read, at any alignment.
+        unsafe { [_mm256_loadu_ps(first), _mm256_loadu_ps(first.add(8))] }
     }
 
     #[inline(always)]
     fn store(self, row: Row, cells: &mut [f32; COLUMNS]) {
-        let (halves, _) = cells.as_chunks_mut::<8>();
-        for (half, register) in halves.iter_mut().zip(row) {
-            // SAFETY: AVX2 as above; the half has the eight numbers that are written.
-            unsafe { _mm256_storeu_ps(half.as_mut_ptr(), register) };
+        let first = cells.as_mut_ptr();
+        // SAFETY: AVX2 as above; sixteen numbers are there to be written, at any alignment.
+        unsafe {
+            _mm256_storeu_ps(first, row[0]);
+            _mm256_storeu_ps(first.add(8), row[1]);
         }
     }
 
@@ -121,13 +122,6 @@ impl Vectors for Avx2 {
         let equal = unsafe { [equal(a[0], b[0]), equal(a[1], b[1])] };
         !(equal[0] | equal[1] << 8) & 0xFFFF
     }
-}
-
-/// Both halves of a row of a tile.
-#[inline(always)]
-fn halves(cells: &[f32; COLUMNS]) -> [&[f32; 8]; 2] {
-    let (low, high) = cells.split_at(8);
-    [low.first_chunk().unwrap_or(&[0.0; 8]), high.first_chunk().unwrap_or(&[0.0; 8])]
 }
 
 /// All bits set where `|v| <= limit`. Safe to call where there is AVX2, as all that follow.

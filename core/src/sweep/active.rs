@@ -1,6 +1,6 @@
 //! A row of active tiles: the kernel, the settling of what it computed, and the marks of what changed.
 
-use super::{Kernel, Tile, centre_of, shifted};
+use super::{Cross, Kernel, Tile, centre_of, cross, shifted};
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::beside::Beside;
 use crate::tiles::{COLUMNS, Marker};
@@ -34,7 +34,7 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
         }
     }
 
-    /// Four tiles at a time, then tile by tile: loops of constant length become vectors, and what
+    /// On vector units where the kernel is written for them; else four tiles at a time, then tile by tile: loops of constant length become vectors, and what
     /// waits for a square root in one tile is worked on in the next.
     #[inline(always)]
     pub fn tile_by_tile<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(mut self, kernel: &mut K) {
@@ -59,14 +59,12 @@ impl<C: Cell, const N: usize> ActiveRow<'_, C, N> {
     #[inline(always)]
     fn on_vectors<A: Arithmetic<Cell = C>, K: Kernel<A, N>>(&mut self, kernel: &mut K, vectors: A::Vectors) -> usize {
         let ActiveRow { old, aux, new, flags, marker, .. } = self;
-        let (radius, new) = (N / 2, new.as_chunks_mut::<COLUMNS>().0);
+        let new = new.as_chunks_mut::<COLUMNS>().0;
         let width = new.len() * COLUMNS;
-        let tiles = |row: usize, x: usize| tiles_of(old.get(row).copied().unwrap_or(&[]), x, width);
-        let centre = tiles(radius, radius);
-        let (left, right) = (tiles(radius, radius - 1), tiles(radius, radius + 1));
-        let (below, above) = (tiles(radius - 1, radius), tiles(radius + 1, radius));
-        let sides = left.iter().zip(right).zip(below).zip(above);
-        let around = centre.iter().zip(sides).zip(tiles_of(aux, 0, width));
+        let Cross { centre, left, right, below, above } = cross(old);
+        let [centre, left, right] = [tiles_of(centre, width), tiles_of(left, width), tiles_of(right, width)];
+        let sides = left.iter().zip(right).zip(tiles_of(below, width)).zip(tiles_of(above, width));
+        let around = centre.iter().zip(sides).zip(tiles_of(aux, width));
         for (new, ((centre, (((left, right), below), above)), beside)) in new.iter_mut().zip(around) {
             let tile = Tile { centre, sides: [left, right, below, above], beside };
             vectors.store(kernel.on_vectors(vectors, &tile), new);
@@ -145,10 +143,10 @@ fn compute<A: Arithmetic, K: Kernel<A, N>, const N: usize>(
     }
 }
 
-/// The rows of tiles in `width` cells of a row from cell `start` on.
+/// The rows of tiles in the first `width` cells of a row.
 #[inline(always)]
-fn tiles_of<C>(row: &[C], start: usize, width: usize) -> &[[C; COLUMNS]] {
-    row.get(start..start + width).unwrap_or(&[]).as_chunks::<COLUMNS>().0
+fn tiles_of<C>(row: &[C], width: usize) -> &[[C; COLUMNS]] {
+    row.get(..width).unwrap_or(&[]).as_chunks::<COLUMNS>().0
 }
 
 /// The window of `W` cells from cell `x` on in a window of rows.

@@ -13,7 +13,7 @@ use std::fmt::Write;
 use std::ops::Range;
 
 const README: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md");
-const BEGIN: &str = "<!-- convergence: made by tests/tests/convergence.rs -->\n";
+const BEGIN: &str = "<!-- convergence: made by tests/tests/all/convergence.rs -->\n";
 const END: &str = "<!-- end of convergence -->";
 const GRIDS: [usize; 4] = [51, 101, 201, 401];
 

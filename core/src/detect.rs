@@ -16,11 +16,11 @@ use crate::detection::Detection;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::photon;
+use crate::signal;
 use crate::significance::height;
-use crate::sky::{Mesh, Sky, mesh_cells};
+use crate::sky::{Sky, mesh_cells};
 use crate::smooth::{Weights, noise};
-use crate::sort::{self, Keys, median};
-use crate::spike::cleaned;
+use crate::sort::{self, Keys};
 use crate::tree::{Field, NONE, Region, grow, root};
 
 /// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
@@ -42,7 +42,7 @@ pub struct Workspace<'m, L: Level> {
     pub order: &'m mut [u32],
     /// W x H: the labels.
     pub labels: &'m mut [u32],
-    /// [`mesh_cells`] of the frame: background and noise, in the end (see [`Mesh::over`]).
+    /// [`mesh_cells`] of the frame: background and noise, in the end (see [`Mesh::over`](crate::sky::Mesh::over)).
     pub mesh: &'m mut [Sky],
     /// As many as there may be peaks: [`regions`].
     pub regions: &'m mut [Region<L>],
@@ -77,12 +77,12 @@ pub struct Known<'a> {
 }
 
 impl Known<'_> {
-    fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
+    pub(crate) fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
         map.and_then(|map| map.get(at).copied())
     }
 
     /// Whether the maps leave the pixel defined.
-    fn allows(&self, at: usize) -> bool {
+    pub(crate) fn allows(&self, at: usize) -> bool {
         Self::value(self.background, at).is_none_or(f32::is_finite)
             && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
     }
@@ -107,12 +107,10 @@ pub struct Found {
 const ROUNDS: u32 = 2;
 /// Scales of the smoothing for the tree, of the mask's growth, of the sharpening, of the matched
 /// image and of what is taken from it, pixels.
-const SCALES: [f32; 5] = [0.8, 2.0, 1.5, 1.7, 2.5];
+pub(crate) const SCALES: [f32; 5] = [0.8, 2.0, 1.5, 1.7, 2.5];
 /// How much the matched image is sharpened: what lies on the halo of a bright source must stand
 /// above that, and what is narrow is brighter than smoothing lets it be.
 const MATCHED_SHARPENING: f32 = 0.6;
-/// Smoothing goes on where the change is below this, in its noise.
-const LEPSKI: f32 = 1.7;
 /// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
 /// for without them the sky would be biased low.
 const MASKED_PEAK: f32 = 3.5;
@@ -143,12 +141,12 @@ pub fn detect<L: Level>(
     work.masked.fill(L::ZERO);
     let mut fine_noise = L::ONE;
     for round in 0..=ROUNDS {
-        if !measure_signal(pixels, grid, known, work) {
+        if !signal::measure(pixels, grid, known, work) {
             return Err(Error::Constant { value: first });
         }
-        fine_noise = smooth(grid, work);
+        fine_noise = signal::smooth(grid, work);
         if round < ROUNDS {
-            mask_sources(grid, L::of(setting.outline), fine_noise.scaled(L::Weight::of(MASKED_PEAK)), work);
+            signal::mask_sources(grid, L::of(setting.outline), fine_noise.scaled(L::Weight::of(MASKED_PEAK)), work);
         }
     }
     let field = Field { values: work.signal, grid };
@@ -179,98 +177,6 @@ fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Wor
     match floats.into_iter().chain(words).chain(maps).find(|&given| given != count) {
         Some(given) => Err(Error::Length { name: "a plane or map", given, needed: count }),
         None => Ok(grid),
-    }
-}
-
-/// Signal-to-noise of every pixel, spikes replaced; undefined pixels have none. Says whether there
-/// is any noise.
-fn measure_signal<L: Level>(pixels: &[f32], grid: Grid, known: &Known<'_>, work: &mut Workspace<'_, L>) -> bool {
-    let (width, height) = (grid.width.get(), grid.height);
-    let mut keys = Keys(work.parents, work.order);
-    let masked = &*work.masked;
-    let sky = |at: usize| masked.get(at).is_none_or(|&mask| mask <= L::ZERO);
-    let mesh = Mesh::measure(pixels, sky, (width, height), work.mesh, keys.again());
-    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
-    let mut factor = 1.0;
-    if known.relative {
-        let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(ratio, pixels.len(), keys);
-    }
-    let mut noise_seen = false;
-    for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
-        let sky = sky_at(at);
-        let level = Known::value(known.background, at).unwrap_or(sky.level);
-        let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
-        let signal = (pixel - level) / noise;
-        let usable = known.allows(at) && noise > 0.0 && signal.is_finite();
-        noise_seen |= usable;
-        *out = if usable { L::of(signal) } else { L::ZERO };
-    }
-    let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
-    for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
-        let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
-        for (x, out) in out.iter_mut().enumerate() {
-            *out = cleaned(rows, x);
-        }
-    }
-    noise_seen
-}
-
-/// The median of the positive values of a sample; 1 where there are none.
-fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
-    let positive = |value: &f32| value.is_finite() && *value > 0.0;
-    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
-    if sorted.is_empty() { 1.0 } else { median(sorted) }
-}
-
-/// Fills the fine and the smooth plane; gives the noise of the fine one.
-fn smooth<L: Level>(grid: Grid, work: &mut Workspace<'_, L>) -> L {
-    let [scale, ..] = SCALES;
-    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
-    let fine = &*work.fine;
-    let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
-    let fine_noise = noise(|at| value(fine, at), work.masked, Keys(work.parents, work.order));
-    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
-    let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let least = noise(detail, work.masked, Keys(work.parents, work.order)).scaled(L::Weight::of(LEPSKI));
-    for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
-        if (fine - *smooth).magnitude() >= least {
-            *smooth = fine;
-        }
-    }
-    fine_noise
-}
-
-/// Masks the sources that have a pixel above `peak` in the fine plane, and what is within about
-/// three pixels of them.
-fn mask_sources<L: Level>(grid: Grid, outline: L, peak: L, work: &mut Workspace<'_, L>) {
-    let (source, perhaps) = (L::ONE, L::of(0.5));
-    for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
-        *fine = match (smooth > outline, *fine > peak) {
-            (true, true) => source,
-            (true, false) => perhaps,
-            _ => L::ZERO,
-        };
-    }
-    // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
-    let marks = &mut *work.fine;
-    for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
-        let marked = |at: usize| marks.get(at).is_some_and(|&mark| mark == source);
-        if marks.get(index).is_some_and(|&mark| mark == perhaps)
-            && grid.neighbours(index).any(marked)
-            && let Some(mark) = marks.get_mut(index)
-        {
-            *mark = source;
-        }
-    }
-    for mark in marks.iter_mut().filter(|mark| **mark < source) {
-        *mark = L::ZERO;
-    }
-    let [_, growth, ..] = SCALES;
-    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
-    let near = L::of(0.08);
-    for cell in work.masked.iter_mut() {
-        *cell = if *cell > near { L::ONE } else { L::ZERO };
     }
 }
 

@@ -64,6 +64,7 @@ pub mod segmenter;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod select;
 pub mod settle;
+mod signal;
 pub mod significance;
 pub mod simulate;
 pub mod sky;

@@ -16,11 +16,12 @@ use crate::detection::Detection;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::photon;
-use crate::signal;
+use crate::signal::{self, View};
 use crate::significance::height;
-use crate::sky::{Sky, mesh_cells};
-use crate::smooth::{Weights, noise};
+use crate::sky::{LEAST_PIXELS, Sky, Survey, Values, mesh_cells};
+use crate::smooth::Weights;
 use crate::sort::{self, Keys};
+use crate::tail::Tail;
 use crate::tree::{Field, NONE, Region, grow, root};
 
 /// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
@@ -101,6 +102,10 @@ pub struct Found {
     pub significance: f32,
     /// The photon noise of the image (see [`crate::photon`]).
     pub photon: f32,
+    /// How the values of the frame came about.
+    pub values: Values,
+    /// How much of the sky could be measured, in the last round.
+    pub survey: Survey,
 }
 
 /// Times the sky is measured anew without the sources.
@@ -124,7 +129,8 @@ const CUTS: u32 = 4;
 /// # Errors
 /// [`Error::Parameter`] of the setting, [`Error::Size`], [`Error::Length`] for memory or maps of
 /// another size, [`Error::Arithmetic`] for a side longer than [`Level::LONGEST`],
-/// [`Error::NothingDefined`], or [`Error::Constant`] where there is no noise.
+/// [`Error::NothingDefined`], or [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
+/// of its sky or of its noise.
 pub fn detect<L: Level>(
     pixels: &[f32],
     width: usize,
@@ -135,26 +141,46 @@ pub fn detect<L: Level>(
     let count = pixels.len();
     setting.validate()?;
     let grid = check(count, width, known, work)?;
-    let Some(&first) = pixels.iter().find(|pixel| pixel.is_finite()) else {
+    let view = View::of(pixels, grid, known, Keys(work.parents, work.order));
+    if view.values.defined == 0 {
         return Err(Error::NothingDefined { pixels: count });
-    };
+    }
     work.masked.fill(L::ZERO);
-    let mut fine_noise = L::ONE;
+    signal::mask_undefined(&view, work.masked);
+    work.mesh.fill(Sky::UNKNOWN);
+    let mut fine = Tail { noise: L::ONE, skewness: 0.0 };
+    let mut survey = Survey::default();
     for round in 0..=ROUNDS {
-        if !signal::measure(pixels, grid, known, work) {
-            return Err(Error::Constant { value: first });
-        }
-        fine_noise = signal::smooth(grid, work);
+        survey = signal::measure(&view, work).ok_or_else(|| no_noise(&view, work))?;
+        fine = signal::smooth(&view, work);
         if round < ROUNDS {
-            signal::mask_sources(grid, L::of(setting.outline), fine_noise.scaled(L::Weight::of(MASKED_PEAK)), work);
+            signal::mask_sources(&view, L::of(setting.outline), fine.height(MASKED_PEAK), work);
         }
     }
     let field = Field { values: work.signal, grid };
     let photon = photon::slope(field, work.fine, work.masked, Keys(work.parents, work.order));
-    let unlabelled = separate((pixels, known), grid, (fine_noise, photon), setting, work);
-    let (significance, least) = cut(grid, setting, work);
+    let unlabelled = separate(&view, (fine.noise, photon), setting, work);
+    drop_undefined(&view, work.labels);
+    let (significance, least) = cut(&view, setting, work);
     let (sources, mask_pixels) = keep(setting, least, work);
-    Ok(Found { sources, mask_pixels, unlabelled, significance, photon })
+    Ok(Found { sources, mask_pixels, unlabelled, significance, photon, values: view.values, survey })
+}
+
+/// Why there is nothing to divide the signal by.
+fn no_noise<L: Level>(view: &View<'_>, work: &Workspace<'_, L>) -> Error {
+    let Values { defined, commonest, .. } = view.values;
+    if work.mesh.first().is_none_or(|sky| sky.level.is_nan()) {
+        return Error::NoSky { defined, needed: LEAST_PIXELS };
+    }
+    let equal = (0..).zip(view.pixels).filter(|&(at, &pixel)| pixel == commonest && view.is_defined(at)).count();
+    Error::NoNoise { value: commonest, equal: equal as u32, defined }
+}
+
+/// An undefined pixel between two of a source carries its light across, but is in no source.
+fn drop_undefined(view: &View<'_>, labels: &mut [u32]) {
+    for (_, label) in labels.iter_mut().enumerate().filter(|(at, _)| !view.is_defined(*at)) {
+        *label = 0;
+    }
 }
 
 fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_, L>) -> Result<Grid, Error> {
@@ -182,18 +208,18 @@ fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Wor
 
 /// The tree, and the sources of its regions; gives the number of peaks without a region.
 fn separate<L: Level>(
-    (pixels, known): (&[f32], &Known<'_>),
-    grid: Grid,
+    view: &View<'_>,
     (noise, photon): (L, f32),
     setting: &Detection,
     work: &mut Workspace<'_, L>,
 ) -> u32 {
     let [_, _, sharpness, ..] = SCALES;
+    let grid = view.grid;
     Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
     let field = Field { values: work.fine, grid };
     let (outline, mut used) = (L::of(setting.outline), 0);
-    for (at, (&smooth, pixel)) in (0u32..).zip(work.smooth.iter().zip(pixels)) {
-        let inside = smooth > outline && pixel.is_finite() && known.allows(at as usize);
+    for (at, &smooth) in (0u32..).zip(work.smooth.iter()) {
+        let inside = smooth > outline && view.has_signal(at as usize);
         if let (true, Some(place)) = (inside, work.order.get_mut(used)) {
             *place = at;
             used += 1;
@@ -214,7 +240,7 @@ fn separate<L: Level>(
             *cell = root;
         }
     }
-    for at in 0..pixels.len() {
+    for at in 0..grid.cells() {
         let root = work.parents.get(at).copied().unwrap_or(NONE);
         let id = work.labels.get(root as usize).copied().unwrap_or(NONE);
         if let Some(place) = work.order.get_mut(at) {
@@ -265,21 +291,22 @@ fn centre_on_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut 
 }
 
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.
-fn cut<L: Level>(grid: Grid, setting: &Detection, work: &mut Workspace<'_, L>) -> (f32, L) {
-    let [.., scale, wide] = SCALES;
+fn cut<L: Level>(view: &View<'_>, setting: &Detection, work: &mut Workspace<'_, L>) -> (f32, L) {
+    let ([.., scale, wide], grid, piled) = (SCALES, view.grid, view.values.piled);
     Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
     Weights::gauss(wide).sharpen(work.fine, work.scratch, grid, MATCHED_SHARPENING);
     let matched = |at: usize| work.fine.get(at).copied().unwrap_or(L::ZERO);
-    let matched_noise = noise(matched, work.masked, Keys(work.parents, work.order)).to_f32();
+    let tail = Tail::measure(matched, work.masked, piled, Keys(work.parents, work.order));
+    let matched_noise = tail.noise.to_f32();
     let step = |at: usize| matched(at + 1) - matched(at);
-    let slope = noise(step, work.masked, Keys(work.parents, work.order)).to_f32();
+    let slope = Tail::measure(step, work.masked, piled, Keys(work.parents, work.order)).noise.to_f32();
     let roughness = if matched_noise > 0.0 { slope / matched_noise } else { 0.0 };
     let elements = work.signal.len() as f32 * roughness * roughness;
     sum_up(work);
     let floor = setting.peak * setting.outline;
     let (mut allowed, mut result) = (setting.false_sources, (0.0, L::of(floor)));
     for _ in 0..CUTS {
-        let significance = height(elements, allowed);
+        let significance = tail.raised(height(elements, allowed));
         let least = significance * matched_noise;
         let least = L::of(if least > floor { least } else { floor });
         result = (significance, least);

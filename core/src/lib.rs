@@ -80,6 +80,7 @@ mod state;
 pub mod stop;
 pub mod sum;
 pub mod sweep;
+pub mod tail;
 pub mod tiles;
 pub mod tree;
 pub mod vectors;

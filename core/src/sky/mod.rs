@@ -1,11 +1,17 @@
-//! Sky background and noise: a mesh of cells, each with a clipped mode, a median over the
-//! neighbouring cells and bilinear values between their centres.
+//! Sky background and noise, as they can be known from the frame alone.
+//!
+//! [`Values`] tells what the detector and the software behind it did to the numbers: steps, a cut
+//! at the black level, filling. [`clipped`] estimates level and noise of one cell from its sorted
+//! values, and [`Mesh`] lays cells over the frame, bridges those without sky and gives level and
+//! noise at every pixel.
 
 mod clipped;
 mod mesh;
+mod values;
 
-pub use clipped::clipped;
-pub use mesh::{CELL, MOST_CELLS, Mesh, cell_pixels, cells_along, mesh_cells};
+pub use clipped::{LEAST_PIXELS, clipped};
+pub use mesh::{CELL, MOST_CELLS, Mesh, Seen, Survey, cell_pixels, cells_along, mesh_cells};
+pub use values::Values;
 
 /// Background and noise of one cell, in units of the image; NaN where too few pixels are sky.
 #[derive(Clone, Copy, Debug, PartialEq)]

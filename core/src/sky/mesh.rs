@@ -37,6 +37,13 @@ pub struct Survey {
     pub measured: u32,
 }
 
+impl Survey {
+    /// Whether most cells have too little sky, and keep what was measured before sources were masked.
+    pub fn is_crowded(&self) -> bool {
+        2 * self.measured < self.cells
+    }
+}
+
 /// The mesh over a frame, in the caller's memory.
 #[derive(Debug)]
 pub struct Mesh<'m> {
@@ -100,7 +107,7 @@ impl<'m> Mesh<'m> {
             survey.cells += u32::from(count.defined > 0);
             survey.measured += u32::from(count.is_enough());
         }
-        let crowded = 2 * survey.measured < survey.cells;
+        let crowded = survey.is_crowded();
         for index in 0..self.cells.len() {
             let sky = self.pixels(index).filter(|&at| seen(at) == Seen::Sky);
             let measured = if Count::of(self.pixels(index).map(&seen)).is_enough() {

@@ -18,6 +18,8 @@ const APART: f32 = 0.3;
 const APART_STEPS: f32 = 16.0;
 /// A frame is cut off below where one in so many of its pixels has the least value.
 const PILE_SHARE: usize = 10;
+/// Fewer values do not tell a saturated sky from chance.
+const SATURATED_FROM: usize = 1000;
 /// The part of the range of a frame that is taken for exact: single precision resolves a little more.
 const RESOLUTION: f32 = 1.0 / (1 << 20) as f32;
 
@@ -35,6 +37,11 @@ pub struct Values {
     pub defined: u32,
     /// Whether a tenth of the defined pixels have the least value: what is darker was cut off there.
     pub piled: bool,
+    /// Whether a tenth of them have the greatest value: what is brighter was cut off there. Never
+    /// told of fewer than a thousand pixels.
+    pub saturated: bool,
+    /// The greatest of the values that were looked at.
+    pub greatest: f32,
     /// The least noise that the numbers can express: 2^-20 of the range that pairs of neighbours
     /// span, in units of the image.
     pub resolution: f32,
@@ -44,8 +51,17 @@ pub struct Values {
 
 impl Values {
     /// Nothing is known: every finite value is as good as another.
-    pub const UNKNOWN: Values =
-        Values { step: 0.0, fill: f32::NAN, filled: 0, defined: 0, piled: false, resolution: 0.0, commonest: 0.0 };
+    pub const UNKNOWN: Values = Values {
+        step: 0.0,
+        fill: f32::NAN,
+        filled: 0,
+        defined: 0,
+        piled: false,
+        saturated: false,
+        greatest: 0.0,
+        resolution: 0.0,
+        commonest: 0.0,
+    };
 
     /// Looks at the pixels of a frame, row-major in rows of `width`, that are finite and `allowed`.
     /// Steps, fill and pile are read from a sample of at most [`crate::sort::SAMPLES`]. Cost: two
@@ -68,6 +84,10 @@ impl Values {
         values.step = least_gap(rest().map(|run| run.value));
         let count: usize = rest().map(|run| run.count).sum();
         values.piled = rest().next().is_some_and(|least| least.count * PILE_SHARE > count);
+        if let Some(most) = rest().last() {
+            values.greatest = most.value;
+            values.saturated = count >= SATURATED_FROM && most.count * PILE_SHARE > count;
+        }
         values.span(pixels, width, |at| observed(&at));
         values
     }

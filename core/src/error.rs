@@ -46,6 +46,22 @@ pub enum Error<E = core::convert::Infallible> {
         /// The value they share.
         value: f32,
     },
+    /// No cell of the frame has enough defined pixels for its sky to be measured.
+    NoSky {
+        /// How many pixels are defined.
+        defined: u32,
+        /// How many one cell must have at least.
+        needed: usize,
+    },
+    /// The values show no noise, and none was given: significance is undefined.
+    NoNoise {
+        /// The commonest value.
+        value: f32,
+        /// How many defined pixels have it.
+        equal: u32,
+        /// How many pixels are defined.
+        defined: u32,
+    },
     /// The chosen arithmetic cannot serve this scheme or option.
     Arithmetic {
         /// The arithmetic.
@@ -71,6 +87,8 @@ impl<E> Error<E> {
             Error::Length { name, given, needed } => Error::Length { name, given, needed },
             Error::NothingDefined { pixels } => Error::NothingDefined { pixels },
             Error::Constant { value } => Error::Constant { value },
+            Error::NoSky { defined, needed } => Error::NoSky { defined, needed },
+            Error::NoNoise { value, equal, defined } => Error::NoNoise { value, equal, defined },
             Error::Arithmetic { name, reason } => Error::Arithmetic { name, reason },
             Error::Corrupted { name } => Error::Corrupted { name },
             Error::Frame(error) => Error::Frame(frame(error)),
@@ -96,6 +114,13 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
             }
             Error::Constant { value } => {
                 write!(f, "all pixels in the range to normalise equal {value}: nothing stands out")
+            }
+            Error::NoSky { defined, needed } => write!(
+                f,
+                "no part of the frame has {needed} defined pixels to measure its sky on; {defined} are defined in all"
+            ),
+            Error::NoNoise { value, equal, defined } => {
+                write!(f, "{equal} of {defined} defined pixels equal {value}: there is no noise to measure")
             }
             Error::Arithmetic { name, reason } => write!(f, "arithmetic {name}: {reason}"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),

@@ -64,6 +64,7 @@ pub mod segmenter;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod select;
 pub mod settle;
+mod signal;
 pub mod significance;
 pub mod simulate;
 pub mod sky;
@@ -79,6 +80,7 @@ mod state;
 pub mod stop;
 pub mod sum;
 pub mod sweep;
+pub mod tail;
 pub mod tiles;
 pub mod tree;
 pub mod vectors;

@@ -96,7 +96,7 @@ pub fn write(
     write_outlines(products, config, run, request, &catalogue)?;
     done(&mut parts, "write catalogue");
     let mut summary = summary(config, input, run, &parts);
-    let warnings: Vec<String> = run.remark.iter().cloned().chain(catalogue.warnings()).collect();
+    let warnings: Vec<String> = run.remarks.iter().cloned().chain(catalogue.warnings()).collect();
     summary["measuring"] = catalogue.settings();
     summary["result_warnings"] = json!(warnings);
     products.write("summary.json", |out| writeln!(out, "{summary:#}"))?;

@@ -58,8 +58,8 @@ pub struct Segmentation {
     pub sky: Option<SkyMaps>,
     /// Wall time of each stage.
     pub seconds: Vec<(Stage, Duration)>,
-    /// Why there can be no source.
-    pub remark: Option<String>,
+    /// What must be known of the image and its sky, and why there can be no source.
+    pub remarks: Vec<String>,
 }
 
 /// Gives the values of a plane from a pixel's index on, row-major.
@@ -74,6 +74,8 @@ pub struct Drive<'a> {
     pub background: Option<&'a [f32]>,
     /// Standard deviation of every pixel's noise, for the noise-aware segmentation.
     pub noise: Option<&'a [f32]>,
+    /// Whether that noise only says which pixels are noisier than others.
+    pub relative: bool,
     /// Where the front starts, for [`skyfront_core::config::Start::Given`].
     pub start: Option<&'a StartMap>,
     /// Rows a poll.
@@ -94,6 +96,7 @@ impl Default for Drive<'_> {
         Drive {
             background: None,
             noise: None,
+            relative: false,
             start: None,
             slice: usize::MAX,
             keep_stages: false,
@@ -212,6 +215,6 @@ pub fn segment_in<A: Arithmetic>(
         outcome,
         sky: None,
         seconds,
-        remark: None,
+        remarks: Vec::new(),
     })
 }

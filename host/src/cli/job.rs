@@ -62,6 +62,7 @@ pub fn process(
     let mut drive = Drive {
         background: input.detected.background.as_deref(),
         noise: input.detected.noise.as_deref(),
+        relative: input.detected.relative,
         start: input.start.as_ref(),
         keep_stages: manner.pictures,
         threads: manner.threads,

@@ -65,7 +65,8 @@ impl Maps {
         let mut input = Input::alone(name, image);
         if let Some(place) = &self.measure {
             let image = loader.image("measure", "SFMEAS", place)?;
-            input.measured = Some(Observed { name: place.to_string(), image, background: None, noise: None });
+            input.measured =
+                Some(Observed { name: place.to_string(), image, background: None, noise: None, relative: false });
         }
         if let Some(place) = &self.mask {
             let mask = loader.image("mask", "SFMASK", place)?;
@@ -94,7 +95,7 @@ impl Maps {
                 let noise = kind.noise(&loader.plane(wht, wht_key, given)?, &observed.image);
                 remove(&mut observed.image, noise.iter().map(|sigma| sigma.is_nan()));
                 left(&observed.image, given, NO_WEIGHT).map_err(|reason| MapError { option: wht, reason })?;
-                observed.noise = Some(noise);
+                (observed.noise, observed.relative) = (Some(noise), kind.is_relative());
             }
         }
         if let Some((place, margin)) = &self.start {

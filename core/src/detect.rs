@@ -15,6 +15,7 @@ use crate::deblend::{compete, reopen, straighten};
 use crate::detection::Detection;
 use crate::error::Error;
 use crate::grid::Grid;
+use crate::outline::Front;
 use crate::photon;
 use crate::signal::{self, View};
 use crate::significance::height;
@@ -31,7 +32,7 @@ pub struct Workspace<'m, L: Level> {
     pub signal: &'m mut [L],
     /// W x H: lightly smoothed, then the matched image.
     pub fine: &'m mut [L],
-    /// W x H: smoothed by need.
+    /// W x H: smoothed by need, then the front, above 0 inside the outlines.
     pub smooth: &'m mut [L],
     /// W x H: 1 near sources, 0 on sky.
     pub masked: &'m mut [L],
@@ -159,6 +160,12 @@ pub fn detect<L: Level>(
     }
     let field = Field { values: work.signal, grid };
     let photon = photon::slope(field, work.fine, work.masked, Keys(work.parents, work.order));
+    let front = Front {
+        threshold: L::of(setting.outline),
+        curvature: L::Weight::of(setting.curvature),
+        steps: setting.front_steps,
+    };
+    front.outline(work.fine, work.smooth, work.scratch, grid);
     let unlabelled = separate(&view, (fine.noise, photon), setting, work);
     drop_undefined(&view, work.labels);
     let (significance, least) = cut(&view, setting, work);
@@ -217,9 +224,9 @@ fn separate<L: Level>(
     let grid = view.grid;
     Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
     let field = Field { values: work.fine, grid };
-    let (outline, mut used) = (L::of(setting.outline), 0);
-    for (at, &smooth) in (0u32..).zip(work.smooth.iter()) {
-        let inside = smooth > outline && view.has_signal(at as usize);
+    let mut used = 0;
+    for (at, &front) in (0u32..).zip(work.smooth.iter()) {
+        let inside = front > L::ZERO && view.has_signal(at as usize);
         if let (true, Some(place)) = (inside, work.order.get_mut(used)) {
             *place = at;
             used += 1;

@@ -10,6 +10,11 @@ use crate::tree::{Field, Region};
 pub struct Detection {
     /// The outline: where the smoothed image has this many noise units. 0.1 to 100.
     pub outline: f32,
+    /// Steps of the front that starts at the outline; 0 leaves it there. 0 to 1000.
+    pub front_steps: u32,
+    /// Weight of the front's curvature, in pixels times noise units: how smooth the outlines are.
+    /// 0 to 1.
+    pub curvature: f32,
     /// A source's peak in the matched image, as a multiple of the outline: what is hardly above it
     /// there has hardly a pixel inside. 0 to 100.
     pub peak: f32,
@@ -47,6 +52,8 @@ impl Detection {
     /// The default for every kind of sky.
     pub const DEFAULT: Detection = Detection {
         outline: 1.0,
+        front_steps: 5,
+        curvature: 0.6,
         peak: 1.42,
         false_sources: 0.5,
         false_share: 0.05,
@@ -72,6 +79,8 @@ impl Detection {
     pub fn validate(&self) -> Result<(), Error> {
         for (name, value, low, high) in [
             ("outline", self.outline, 0.1, 100.0),
+            ("front steps", self.front_steps as f32, 0.0, 1000.0),
+            ("curvature", self.curvature, 0.0, 1.0),
             ("peak", self.peak, 0.0, 100.0),
             ("false sources", self.false_sources, 0.001, 1000.0),
             ("false share", self.false_share, 0.0, 0.5),

@@ -54,6 +54,7 @@ pub mod normalize;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod otsu;
 pub mod outcome;
+pub mod outline;
 pub mod photon;
 pub mod region;
 pub mod rescale;

@@ -117,7 +117,7 @@ pub fn segment<L: Level>(
         width,
         height,
         labels,
-        front: smooth.iter().map(|value| value - detection.outline).collect(),
+        front: smooth.clone(),
         stages,
         convergence: Vec::new(),
         sources,

@@ -174,3 +174,43 @@ pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
         *mask = L::ONE;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    extern crate std;
+
+    const X: f32 = f32::NAN;
+    #[rustfmt::skip]
+    const PIXELS: [f32; 20] = [
+        1.0, X, 3.0, X, X,
+        4.0, 5.0, X, 7.0, 8.0,
+        X, X, 9.0, X, X,
+        2.0, X, X, X, 6.0,
+    ];
+
+    #[test]
+    fn undefined_pixels_between_defined_ones_have_their_mean() {
+        let grid = Grid::of(20, 5).unwrap();
+        let (mut keys, mut spare) = ([0; 20], [0; 20]);
+        let known = Known::default();
+        let view = View::of(&PIXELS, grid, &known, Keys(&mut keys, &mut spare));
+        let mut signal = PIXELS.map(|pixel| if pixel.is_nan() { 0.0 } else { pixel });
+        bridge(&view, &mut signal);
+        #[rustfmt::skip]
+        let expected = [
+            1.0, 2.0, 3.0, 0.0, 0.0,
+            4.0, 5.0, 6.0, 7.0, 8.0,
+            3.0, 0.0, 9.0, 0.0, 7.0,
+            2.0, 0.0, 0.0, 0.0, 6.0,
+        ];
+        assert_eq!(signal, expected);
+        let mut masked = [0.0; 20];
+        mask_undefined(&view, &mut masked);
+        for (at, mask) in masked.into_iter().enumerate() {
+            assert_eq!(mask == 1.0, expected[at] == 0.0, "pixel {at}");
+            assert_eq!(view.has_signal(at), mask == 0.0);
+        }
+    }
+}

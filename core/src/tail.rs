@@ -75,3 +75,49 @@ fn skewness<L: Level>(value: impl Fn(usize) -> L, masked: &[L], noise: L) -> f32
     let skewness = (cubes / f64::from(count.max(1)) / (variance * libm::sqrt(variance))) as f32;
     if skewness < LEAST { 0.0 } else { skewness.least(MOST) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::tests::normal;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    fn tail(values: &[f32], piled: bool) -> Tail<f32> {
+        let masked = std::vec![0.0; values.len()];
+        let (mut keys, mut spare) = (std::vec![0; values.len()], std::vec![0; values.len()]);
+        Tail::measure(|at| values[at], &masked, piled, Keys(&mut keys, &mut spare))
+    }
+
+    #[test]
+    fn normal_noise_reaches_the_height_of_the_table() {
+        let values = normal(10_000, 0.0, 2.0);
+        for piled in [false, true] {
+            let tail = tail(&values, piled);
+            assert!((tail.noise - 2.0).abs() < 0.01 && tail.skewness == 0.0, "{tail:?}");
+            assert_eq!(tail.height(4.0), 4.0 * tail.noise);
+        }
+    }
+
+    /// An exponential distribution has the skewness 2 and exceeds ln(1 / p) with probability p.
+    #[test]
+    fn skew_noise_reaches_higher() {
+        let values: Vec<f32> = (0..10_000).map(|n| -libm::logf((n as f32 + 0.5) / 1e4) - 1.0).collect();
+        let skew = tail(&values, true);
+        assert!((skew.skewness - 1.7).abs() < 0.3, "{skew:?}");
+        // Normal noise is above 3 with p = 0.00135.
+        let exact = libm::logf(1.0 / 0.00135) - 1.0;
+        assert!((skew.raised(3.0) - exact).abs() < 0.6, "{} beside {exact}", skew.raised(3.0));
+        let lower = tail(&values, false);
+        assert!(lower.skewness == 0.0 && lower.noise < skew.noise, "the lower half is narrow: {lower:?}");
+    }
+
+    #[test]
+    fn sources_do_not_count() {
+        let mut values = normal(10_000, 0.0, 1.0);
+        values.extend([500.0; 300]);
+        let tail = tail(&values, true);
+        assert!((tail.noise - 1.0).abs() < 0.05 && tail.skewness == 0.0, "{tail:?}");
+    }
+}

@@ -111,7 +111,8 @@ impl<'m> Mesh<'m> {
         for index in 0..self.cells.len() {
             let sky = self.pixels(index).filter(|&at| seen(at) == Seen::Sky);
             let measured = if Count::of(self.pixels(index).map(&seen)).is_enough() {
-                clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).copied())), values)
+                // Adding 0 gives both zeros one key.
+                clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values)
             } else if crowded {
                 Self::cell(self.cells, index)
             } else {
@@ -276,4 +277,103 @@ fn middle(of: impl Iterator<Item = f32>) -> f32 {
     sort::few(&mut values, |a, b| a.key() < b.key());
     let [.., middle, _, _, _, _] = values;
     middle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cell_pixels;
+    use super::*;
+    use crate::noise::tests::normal;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    const SIDE: usize = 320;
+
+    /// Noise of 1 on a level that differs from pixel to pixel.
+    fn frame(level: impl Fn(usize, usize) -> f32) -> Vec<f32> {
+        let noise = normal(SIDE * SIDE, 0.0, 1.0);
+        (0..noise.len()).map(|at| noise[at * 7919 % noise.len()] + level(at % SIDE, at / SIDE)).collect()
+    }
+
+    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen) -> Survey {
+        let room = cell_pixels(SIDE, SIDE);
+        let (mut keys, mut spare) = (std::vec![0; room], std::vec![0; room]);
+        let seen = |at: usize| seen(at % SIDE, at / SIDE);
+        mesh.measure(pixels, seen, &Values::UNKNOWN, Keys(&mut keys, &mut spare))
+    }
+
+    fn cells() -> [Sky; mesh_cells(SIDE, SIDE)] {
+        [Sky::UNKNOWN; mesh_cells(SIDE, SIDE)]
+    }
+
+    #[test]
+    fn a_slope_is_followed_into_the_corners() {
+        let slope = |x: usize, y: usize| 0.05 * x as f32 - 0.03 * y as f32;
+        let (pixels, mut cells) = (frame(slope), cells());
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let survey = measure(&mut mesh, &pixels, |_, _| Seen::Sky);
+        assert_eq!(survey, Survey { cells: 25, measured: 25 });
+        for (x, y) in [(0, 0), (319, 0), (0, 319), (319, 319), (160, 0), (0, 160), (31, 200), (100, 290)] {
+            let sky = mesh.at(x, y);
+            assert!((sky.level - slope(x, y)).abs() < 0.2, "{} beside {} at {x}, {y}", sky.level, slope(x, y));
+            // A cell of 64 pixels spans 3.2 and 1.9 of the slope.
+            assert!((1.0..1.6).contains(&sky.noise), "{} at {x}, {y}", sky.noise);
+        }
+    }
+
+    #[test]
+    fn a_cell_without_sky_has_that_of_its_neighbours() {
+        let source = |x: usize, y: usize| (64..128).contains(&x) && (64..128).contains(&y);
+        let pixels = frame(|x, y| if source(x, y) { 500.0 } else { 100.0 });
+        let mut cells = cells();
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let seen = |x: usize, y: usize| match source(x, y) {
+            // A tenth of the cell is left, all of it wings.
+            true if x % 10 > 0 => Seen::Source,
+            _ => Seen::Sky,
+        };
+        assert_eq!(measure(&mut mesh, &pixels, seen), Survey { cells: 25, measured: 24 });
+        let sky = mesh.at(95, 95);
+        assert!((sky.level - 100.0).abs() < 0.1 && (sky.noise - 1.0).abs() < 0.05, "{sky:?}");
+    }
+
+    /// What is left where sources are everywhere is darker and quieter round by round.
+    #[test]
+    fn a_crowded_mesh_keeps_what_was_measured_first() {
+        let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        measure(&mut mesh, &pixels, |_, _| Seen::Sky);
+        let first = mesh.at(160, 160);
+        let dark = |x: usize, y: usize| if pixels[y * SIDE + x] < 99.0 { Seen::Sky } else { Seen::Source };
+        for _ in 0..5 {
+            let survey = measure(&mut mesh, &pixels, dark);
+            assert_eq!(survey, Survey { cells: 25, measured: 0 });
+            assert!(survey.is_crowded());
+        }
+        let last = mesh.at(160, 160);
+        assert!((last.level - first.level).abs() < 0.05 && (last.noise / first.noise - 1.0).abs() < 0.03, "{last:?}");
+    }
+
+    #[test]
+    fn nothing_is_known_of_a_mesh_without_sky() {
+        let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let survey = measure(&mut mesh, &pixels, |x, _| if x < 10 { Seen::Source } else { Seen::Undefined });
+        assert_eq!(survey, Survey { cells: 5, measured: 0 });
+        assert!(mesh.at(5, 5).level.is_nan());
+        let survey = measure(&mut mesh, &pixels, |x, y| if x < 4 && y < 4 { Seen::Sky } else { Seen::Undefined });
+        assert_eq!(survey, Survey { cells: 1, measured: 0 }, "16 pixels of 4096 are too few");
+    }
+
+    #[test]
+    fn a_window_is_one_cell() {
+        let pixels: Vec<f32> = normal(64, 7.0, 1.0);
+        let mut cells = [Sky::UNKNOWN; mesh_cells(8, 8)];
+        let (mut keys, mut spare) = ([0; 64], [0; 64]);
+        let mut mesh = Mesh::blank(&mut cells, (8, 8));
+        mesh.measure(&pixels, |_| Seen::Sky, &Values::UNKNOWN, Keys(&mut keys, &mut spare));
+        assert_eq!(mesh.at(0, 0), mesh.at(7, 7));
+        assert!((mesh.at(3, 4).level - 7.0).abs() < 0.1);
+    }
 }

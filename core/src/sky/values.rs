@@ -10,8 +10,10 @@ use crate::sort::{Keys, median, ranked};
 const FILL_SHARE: usize = 100;
 /// One in so many of the pixels must lie on either side of a fill value that is inside the range.
 const SIDE_SHARE: usize = 1000;
-/// Values that are not filled repeat less often than the fill value by this factor.
-const FILL_EXCESS: usize = 20;
+/// Inside the range there are so many times as many of a fill value as of any other.
+const FILL_EXCESS: usize = 4;
+/// Noise is spread over many values where the commonest has less than one in so many.
+const SPREAD: usize = 6;
 /// How far from the rest a fill value lies, in units of the distance to the rest's median.
 const APART: f32 = 0.3;
 /// A fill value of whole counts is so many steps away from the rest.
@@ -79,8 +81,7 @@ impl Values {
         let fill = fill.unwrap_or(f32::NAN);
         let mut values = Values { fill, ..Values::UNKNOWN };
         let rest = || runs(sorted).filter(|run| run.value != fill);
-        let commonest = rest().reduce(|most, run| if run.count > most.count { run } else { most });
-        values.commonest = commonest.map_or(0.0, |run| run.value);
+        values.commonest = rest().reduce(commoner).map_or(0.0, |run| run.value);
         values.step = least_gap(rest().map(|run| run.value));
         let count: usize = rest().map(|run| run.count).sum();
         values.piled = rest().next().is_some_and(|least| least.count * PILE_SHARE > count);
@@ -132,6 +133,11 @@ fn runs(sorted: &[u32]) -> impl Iterator<Item = Run> {
     sorted.chunk_by(|a, b| a == b).map(|run| Run { value: ranked(run, 0), count: run.len() })
 }
 
+/// The more frequent of two values, the first where both are as frequent.
+fn commoner(one: Run, other: Run) -> Run {
+    if other.count > one.count { other } else { one }
+}
+
 fn occurrences(sorted: &[u32], value: f32) -> usize {
     runs(sorted).find(|run| run.value == value).map_or(0, |run| run.count)
 }
@@ -148,25 +154,34 @@ fn least_gap(values: impl Iterator<Item = f32>) -> f32 {
     if gap < f32::MAX { gap } else { 0.0 }
 }
 
-/// A value that fills what was not observed: far more frequent than all others, and either in the
-/// midst of values of which hardly two are equal, or far below the rest.
+/// A value that fills what was not observed: the commonest, or the least.
 fn fill_value(sorted: &[u32]) -> Option<f32> {
-    let longest = runs(sorted).reduce(|longest, run| if run.count > longest.count { run } else { longest })?;
-    let (total, fill) = (sorted.len(), longest.value);
-    let (rest, distinct) = (total - longest.count, runs(sorted).count() - 1);
-    if longest.count * FILL_SHARE <= total || rest == 0 {
-        return None;
+    let commonest = runs(sorted).reduce(commoner);
+    let candidates = [commonest, runs(sorted).next()];
+    candidates.into_iter().flatten().find(|&run| is_fill(sorted, run)).map(|run| run.value)
+}
+
+/// Whether equal values are filling: far below the rest, or in its midst far more than there are of any
+/// other. Noise that is coarse beside the steps gathers in few values too, but then in more than one.
+fn is_fill(sorted: &[u32], fill: Run) -> bool {
+    let (total, rest) = (sorted.len(), sorted.len() - fill.count);
+    let (below, from) = sorted.split_at(sorted.partition_point(|&key| f32::of_key(key) < fill.value));
+    let above = from.get(fill.count..).unwrap_or(&[]);
+    if fill.count * FILL_SHARE <= total || above.is_empty() {
+        return false;
     }
-    let below = sorted.partition_point(|&key| f32::of_key(key) < fill);
-    let above = sorted.get(below + longest.count..).unwrap_or(&[]);
-    let nearest = ranked::<f32>(above, above.len() / 100) - fill;
-    let apart = !above.is_empty() && nearest > APART * (median::<f32>(above) - fill);
-    let enough = |side: usize| side * SIDE_SHARE > total;
-    let inside = enough(below) && enough(above.len());
-    let single = 2 * distinct > rest && longest.count.saturating_mul(distinct) > FILL_EXCESS * rest;
-    let step = least_gap(runs(sorted).map(|run| run.value));
-    let is_fill = if single { inside || apart } else { below == 0 && apart && nearest >= APART_STEPS * step };
-    is_fill.then_some(fill)
+    let others = || runs(sorted).filter(|run| run.value != fill.value);
+    let most = others().reduce(commoner).unwrap_or(fill);
+    let next = others().filter(|run| run.value != most.value).reduce(commoner).unwrap_or(most);
+    let spread = most.count * SPREAD < rest;
+    let nearest = ranked::<f32>(above, above.len() / 100) - fill.value;
+    // Noise that is coarse has its commonest values on neighbouring steps.
+    let far = spread || nearest >= APART_STEPS * (most.value - next.value).magnitude();
+    if below.is_empty() && far && nearest > APART * (median::<f32>(above) - fill.value) {
+        return true;
+    }
+    let amidst = |side: &[u32]| side.len() * SIDE_SHARE > total;
+    spread && fill.count > FILL_EXCESS * most.count && amidst(below) && amidst(above)
 }
 
 /// How often one value is followed by itself.
@@ -189,5 +204,117 @@ impl Pairs {
     fn are_together(&self, total: usize, count: usize) -> bool {
         let strewn = self.all.saturating_mul(total + count);
         2 * count <= total || 2 * self.followed.saturating_mul(total) > strewn
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::tests::normal;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    const WIDTH: usize = 100;
+
+    /// Noise without order in the frame.
+    fn strewn(level: f32, noise: f32) -> Vec<f32> {
+        let sorted = normal(WIDTH * WIDTH, level, noise);
+        (0..sorted.len()).map(|at| sorted[at * 7919 % sorted.len()]).collect()
+    }
+
+    fn rounded(level: f32, noise: f32) -> Vec<f32> {
+        strewn(level, noise).into_iter().map(libm::rintf).collect()
+    }
+
+    fn measured(pixels: &[f32]) -> Values {
+        let (mut keys, mut spare) = (std::vec![0; pixels.len()], std::vec![0; pixels.len()]);
+        Values::measure(pixels, WIDTH, |_| true, Keys(&mut keys, &mut spare))
+    }
+
+    #[test]
+    fn the_step_is_that_of_the_counts() {
+        assert_eq!(measured(&rounded(100.2, 3.0)).step, 1.0);
+        let halves: Vec<f32> = rounded(100.2, 3.0).iter().map(|value| 0.5 * value).collect();
+        assert_eq!(measured(&halves).step, 0.5);
+        assert!(measured(&strewn(100.0, 3.0)).step < 1e-3);
+        assert_eq!(measured(&[7.0; 300]).step, 0.0);
+        // Rounding makes both zeros: they are one value.
+        assert_eq!(measured(&rounded(0.0, 3.0)).step, 1.0);
+    }
+
+    #[test]
+    fn what_fills_a_part_of_the_frame_is_undefined() {
+        for (level, noise, whole) in [
+            (0.0, 5.0, false),
+            (100.0, 5.0, false),
+            (-40.0, 5.0, false),
+            (0.0, 5.0, true),
+            (1000.0, 50.0, true),
+            (20.0, 0.8, true),
+        ] {
+            // A few zeros more among those of the sky cannot be told.
+            for columns in if whole && level == 0.0 { [30, 50] } else { [2, 75] } {
+                let mut pixels = if whole { rounded(level, noise) } else { strewn(level, noise) };
+                let filled = |at: usize| at % WIDTH < columns;
+                let fill = if level < 0.0 { -999.0 } else { 0.0 };
+                pixels.iter_mut().enumerate().filter(|(at, _)| filled(*at)).for_each(|(_, pixel)| *pixel = fill);
+                let values = measured(&pixels);
+                assert_eq!(values.fill, fill, "{columns} columns at {level}, noise {noise}: {values:?}");
+                assert!(values.filled as usize >= columns * WIDTH, "{values:?}");
+                assert_eq!(values.filled + values.defined, 10_000);
+                assert!(!values.holds(fill) && values.holds(level + noise) && !values.piled);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_detector_counts_is_no_fill() {
+        let clipped = |level: f32| strewn(level, 1.0).into_iter().map(f32::positive).collect::<Vec<_>>();
+        let photons: Vec<f32> = strewn(0.0, 1.0).iter().map(|value| if *value > 2.3 { 1.0 } else { 0.0 }).collect();
+        // Divided by an exposure that differs from pixel to pixel.
+        let exposed: Vec<f32> = photons.iter().zip(0..).map(|(count, at)| count / (1.0 + 1e-5 * at as f32)).collect();
+        let mut off_grid = rounded(100.0, 0.3);
+        off_grid.iter_mut().step_by(97).zip(0..).for_each(|(value, n)| *value += 0.001 * n as f32);
+        let mut saturated = strewn(100.0, 5.0);
+        saturated[500..700].fill(60_000.0);
+        for (name, pixels) in [
+            ("coarse counts", rounded(100.0, 0.3)),
+            ("counts", rounded(100.0, 3.0)),
+            ("a cut at 0", clipped(0.0)),
+            ("a cut above the sky", clipped(-1.0)),
+            ("photons", photons),
+            ("photons by exposure", exposed),
+            ("values off the steps", off_grid),
+            ("a saturated star", saturated),
+        ] {
+            let values = measured(&pixels);
+            assert!(values.fill.is_nan() && values.filled == 0, "{name}: {values:?}");
+        }
+    }
+
+    #[test]
+    fn a_cut_below_or_above_is_seen() {
+        let cut = |pixels: Vec<f32>| {
+            let values = measured(&pixels);
+            (values.piled, values.saturated)
+        };
+        assert_eq!(cut(strewn(100.0, 3.0)), (false, false));
+        assert_eq!(cut(strewn(1.0, 1.0).into_iter().map(f32::positive).collect()), (true, false));
+        assert_eq!(cut(strewn(254.0, 1.0).into_iter().map(|value| value.least(255.0)).collect()), (false, true));
+        // A window has too few pixels to tell.
+        assert!(!measured(&[1.0, 2.0, 3.0, 3.0]).saturated);
+    }
+
+    #[test]
+    fn a_hot_pixel_does_not_widen_the_range() {
+        let mut pixels = strewn(100.0, 5.0);
+        let quiet = measured(&pixels).resolution;
+        pixels[5050] = 1e9;
+        pixels[7070] = -1e9;
+        let hot = measured(&pixels).resolution;
+        assert!((0.7..1.4).contains(&(hot / quiet)), "{hot} beside {quiet}");
+        assert!(measured(&[f32::MIN, f32::MIN, f32::MAX, f32::MAX]).resolution.is_finite());
+        assert_eq!(measured(&[f32::NAN; 9]).defined, 0);
     }
 }

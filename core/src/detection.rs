@@ -37,6 +37,8 @@ pub struct Detection {
 /// The photon noise counts with this factor in the variance: the measured one is a lower bound.
 const PHOTON_MARGIN: f32 = 1.5;
 
+const DEPTH: f32 = 0.15;
+
 /// How much larger the noise is at the brightness `value` for the photon noise `photon` (see
 /// [`crate::photon`]).
 pub fn grown<L: Level>(photon: f32, value: L) -> L {
@@ -110,7 +112,7 @@ impl Detection {
         let significant = faint.area >= 3
             && light > L::share(noise.times(1), self.branch)
             && light > L::share(bright.sum, self.contrast)
-            && faint.value - saddle > noise;
+            && faint.value - saddle > noise + saddle.scaled(L::Weight::of(DEPTH));
         if !significant {
             return false;
         }

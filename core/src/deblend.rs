@@ -78,7 +78,7 @@ pub fn reopen<L: Level>(
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(photon, field.at(at));
     for at in 0..labels.len() {
         let label = label_at(labels, at);
-        if label == 0 {
+        if label == 0 || region_of(regions, label).is_none_or(|region| region.plateau > 0) {
             continue;
         }
         if let Some(host) = field.mirrored(centre_of(regions, label), at)

@@ -82,4 +82,5 @@ pub mod sum;
 pub mod sweep;
 pub mod tiles;
 pub mod tree;
+mod typical;
 pub mod vectors;

@@ -18,7 +18,7 @@ const MOST: usize = 64;
 /// With fewer, there is no typical one.
 const LEAST: usize = 8;
 /// A source is looked at when its peak is this many times the noise.
-const BRIGHT: f32 = 40.0;
+const BRIGHT: f32 = 100.0;
 /// A source may have this many times the light of the typical one.
 const MARGIN: f32 = 1.3;
 

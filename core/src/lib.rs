@@ -26,6 +26,7 @@ mod beside;
 pub mod budget;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod catalog;
+mod centre;
 #[deny(clippy::arithmetic_side_effects)]
 mod codec;
 pub mod config;
@@ -84,4 +85,5 @@ pub mod sweep;
 pub mod tail;
 pub mod tiles;
 pub mod tree;
+mod typical;
 pub mod vectors;

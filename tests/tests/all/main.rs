@@ -25,6 +25,7 @@ mod pipeline;
 mod reading;
 mod reference_facts;
 mod report;
+mod rules;
 mod scores;
 mod sky;
 mod snapshots;

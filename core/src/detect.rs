@@ -194,7 +194,7 @@ fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Wor
     let whole = |grid: &Grid| grid.height > 0 && grid.cells() == count && count <= 1 << 30;
     let Some(grid) = Grid::of(count, width).filter(whole) else {
         let height = count.checked_div(width).unwrap_or(0);
-        return Err(Error::Size { width, height, least: 1, most_pixels: 1 << 30 });
+        return Err(Error::Size { width, height, least: 1, most_columns: 1 << 30, most_pixels: 1 << 30 });
     };
     if width > L::LONGEST || grid.height > L::LONGEST {
         let reason = "the places of its pixels have 16 bits: no side may be longer than 65536 pixels";

@@ -24,6 +24,8 @@ pub enum Error<E = core::convert::Infallible> {
         height: usize,
         /// The least number of columns, and of rows, that this configuration can work with.
         least: usize,
+        /// The greatest number of columns.
+        most_columns: usize,
         /// The greatest number of pixels this arithmetic can label.
         most_pixels: usize,
     },
@@ -83,7 +85,9 @@ impl<E> Error<E> {
     pub fn map_frame<F>(self, frame: impl FnOnce(E) -> F) -> Error<F> {
         match self {
             Error::Parameter { name, value, bound, limit } => Error::Parameter { name, value, bound, limit },
-            Error::Size { width, height, least, most_pixels } => Error::Size { width, height, least, most_pixels },
+            Error::Size { width, height, least, most_columns, most_pixels } => {
+                Error::Size { width, height, least, most_columns, most_pixels }
+            }
             Error::Length { name, given, needed } => Error::Length { name, given, needed },
             Error::NothingDefined { pixels } => Error::NothingDefined { pixels },
             Error::Constant { value } => Error::Constant { value },
@@ -102,9 +106,10 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
             Error::Parameter { name, value, bound, limit } => {
                 write!(f, "{name} is {value}, but must be {bound} {limit}")
             }
-            Error::Size { width, height, least, most_pixels } => write!(
+            Error::Size { width, height, least, most_columns, most_pixels } => write!(
                 f,
-                "the image is {width} x {height} pixels, but must be at least {least} x {least} and at most {most_pixels} pixels"
+                "the image is {width} x {height} pixels, but must be at least {least} x {least}, and have at most \
+                 {most_columns} columns and {most_pixels} pixels"
             ),
             Error::Length { name, given, needed } => {
                 write!(f, "the memory for {name} has {given} elements, but needs {needed}")

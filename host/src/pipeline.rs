@@ -18,6 +18,11 @@ use std::time::{Duration, Instant};
 /// Room in the catalogue; more sources are counted and reported.
 pub const MOST_SOURCES: usize = 100_000;
 
+/// Room in the catalogue of a front's run over so many pixels.
+pub fn room_for_sources(pixels: usize) -> usize {
+    (pixels / 4).clamp(1, MOST_SOURCES)
+}
+
 /// Planes as they stood after a step, row-major, for pictures and comparisons.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StagePlanes {
@@ -136,7 +141,7 @@ pub fn segment_in<A: Arithmetic>(
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
     let count = width * height;
-    let mut room = Room::<A>::new(config, width, height, (count / 4).clamp(1, MOST_SOURCES));
+    let mut room = Room::<A>::new(config, width, height, room_for_sources(count));
     if let Some(start) = drive.start {
         start.fill::<A>(config, (width, height), &mut room.front);
     }

@@ -1,6 +1,7 @@
 //! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
 
 use super::choices::SchemeOption;
+use super::say::{Stderr, Stdout};
 use super::{Options, Usage};
 use crate::crosscheck::{Tolerances, crosscheck, json, table, unheard_of};
 use crate::provenance::scheme_name;
@@ -126,11 +127,11 @@ fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -
         if arguments.json {
             results.extend(checks.iter().map(|check| json(scheme, check)));
         } else {
-            print!("{}", table(scheme, &checks));
+            write!(Stdout, "{}", table(scheme, &checks))?;
         }
     }
     if arguments.json {
-        println!("{:#}", json!({ "input": name, "passed": failed == 0, "checks": results }));
+        writeln!(Stdout, "{:#}", json!({ "input": name, "passed": failed == 0, "checks": results }))?;
     }
     if failed > 0 {
         bail!("{name}: {failed} of {made} checks exceed a tolerance");
@@ -164,7 +165,7 @@ fn export(folder: &Path, configs: &[Config], image: &Image, overwrite: bool) -> 
         products.write(name, |out| out.write_all(bytes))?;
     }
     products.publish()?;
-    eprintln!("{} files in {}", files.len(), folder.display());
+    writeln!(Stderr, "{} files in {}", files.len(), folder.display());
     Ok(())
 }
 
@@ -205,14 +206,14 @@ fn replay(folder: &Path) -> Result<()> {
             }
         }
     }
-    problems.iter().for_each(|problem| println!("{problem}"));
+    problems.iter().try_for_each(|problem| writeln!(Stdout, "{problem}"))?;
     if compared == 0 {
         bail!("{}: no run to replay", path.display());
     }
     if !problems.is_empty() {
         bail!("{}: {} of {compared} runs differ", folder.display(), problems.len());
     }
-    println!("{compared} runs give the same bits in every stage");
+    writeln!(Stdout, "{compared} runs give the same bits in every stage")?;
     Ok(())
 }
 

@@ -3,6 +3,7 @@
 use super::choices::ArithmeticOption;
 use super::job::{Manner, plan};
 use super::messages::Volume;
+use super::say::Stderr;
 use super::segment::segment_image;
 use crate::catalogue::Request;
 use crate::input::Input;
@@ -65,14 +66,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         writer.finish()
     })?;
     if !arguments.quiet {
-        eprintln!("A simulated sky of {SIDE} x {SIDE} pixels with {} stars and galaxies (seed {SEED}).", sky.objects());
+        writeln!(
+            Stderr,
+            "A simulated sky of {SIDE} x {SIDE} pixels with {} stars and galaxies (seed {SEED}).",
+            sky.objects()
+        );
     }
     segment_image(&Config::PAPER_F160, &Input::alone(NAME, image), products, &manner, volume)?;
     if !arguments.quiet {
-        eprintln!(
+        writeln!(
+            Stderr,
             "Look at overlay.png first: the image with the outlines of the sources. stages.png shows how it came"
         );
-        eprintln!("about, catalog.csv lists the sources, segmentation.fits is the map.");
+        writeln!(Stderr, "about, catalog.csv lists the sources, segmentation.fits is the map.");
     }
     Ok(())
 }

@@ -14,10 +14,12 @@ mod instructions;
 mod job;
 mod manual;
 mod measuring;
+mod memory;
 mod messages;
 mod options;
 mod presets;
 mod reproduce;
+mod say;
 mod score;
 mod segment;
 mod settings;
@@ -31,6 +33,7 @@ pub use options::Options;
 
 use anyhow::Result;
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use say::{Stderr, Stdout, Unwritten};
 use skyfront_core::error::Error;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -78,14 +81,15 @@ enum Command {
 /// Runs a command line, the program's name first.
 pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     let mut command = Cli::command();
-    let matches = settings::parse(&mut command, line.into_iter().collect()).unwrap_or_else(|error| error.exit());
-    if let Some(text) = dumped(&mut command, &matches) {
-        print!("{text}");
-        return ExitCode::SUCCESS;
-    }
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
-    obey(cli).unwrap_or_else(|error| {
-        eprintln!("skyfront: {error:#}");
+    let matches = settings::parse(&mut command, line.into_iter().collect()).unwrap_or_else(|error| say::exit(&error));
+    let done = match dumped(&mut command, &matches) {
+        Some(text) => write!(Stdout, "{text}").map(|()| ExitCode::SUCCESS).map_err(anyhow::Error::from),
+        None => obey(Cli::from_arg_matches(&matches).unwrap_or_else(|error| say::exit(&error.format(&mut command)))),
+    };
+    done.unwrap_or_else(|error| {
+        if !error.downcast_ref().is_some_and(Unwritten::is_gone) {
+            writeln!(Stderr, "skyfront: {error:#}");
+        }
         if is_usage(&error) { ExitCode::from(2) } else { ExitCode::FAILURE }
     })
 }
@@ -110,10 +114,10 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
         Some(Command::Simulate(arguments)) => simulate::run(&arguments)?,
         Some(Command::Score(arguments)) => score::run(&arguments)?,
-        Some(Command::Presets) => presets::run(),
-        Some(Command::Columns) => columns::run(),
+        Some(Command::Presets) => presets::run()?,
+        Some(Command::Columns) => columns::run()?,
         Some(Command::Man(arguments)) => manual::man(&arguments)?,
-        Some(Command::Completions(arguments)) => manual::completions(&arguments),
+        Some(Command::Completions(arguments)) => manual::completions(&arguments)?,
         None => demo::run(&demo::Arguments::into_default_folder())?,
     }
     Ok(ExitCode::SUCCESS)
@@ -123,6 +127,6 @@ fn obey(cli: Cli) -> Result<ExitCode> {
 fn dumped(command: &mut clap::Command, matches: &ArgMatches) -> Option<String> {
     let (name, given) = matches.subcommand()?;
     given.try_get_one::<bool>("dump_config").ok().flatten().filter(|&&wanted| wanted)?;
-    let options = Options::from_arg_matches(given).unwrap_or_else(|error| error.format(command).exit());
+    let options = Options::from_arg_matches(given).unwrap_or_else(|error| say::exit(&error.format(command)));
     Some(settings::dump(command.find_subcommand(name)?, given, &options.config()))
 }

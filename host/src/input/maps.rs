@@ -51,6 +51,20 @@ impl fmt::Display for Given {
 }
 
 impl Maps {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        let given = [
+            self.mask.is_some(),
+            self.background.is_some(),
+            self.weight.is_some(),
+            self.measure.is_some(),
+            self.measure_background.is_some(),
+            self.measure_weight.is_some(),
+            self.start.is_some(),
+        ];
+        given.into_iter().filter(|&given| given).count()
+    }
+
     /// Reads the maps and lays them over an image.
     ///
     /// # Errors
@@ -140,12 +154,17 @@ impl Loader {
 
 /// Reads a map of the image's size.
 fn sized(place: &Place, (image_width, image_height): (usize, usize)) -> Result<Image, Reason> {
-    let map = place.read()?;
-    let (width, height) = (map.width, map.height);
-    if (width, height) == (image_width, image_height) {
-        Ok(map)
-    } else {
-        Err(Reason::Shape { file: place.to_string(), width, height, image_width, image_height })
+    let mut other = None;
+    let mut admit = |width, height| {
+        other = Some((width, height)).filter(|&size| size != (image_width as u64, image_height as u64));
+        if other.is_none() { Ok(()) } else { Err(String::new()) }
+    };
+    let map = place.read_if(&mut admit);
+    match other {
+        Some((width, height)) => {
+            Err(Reason::Shape { file: place.to_string(), width, height, image_width, image_height })
+        }
+        None => Ok(map?),
     }
 }
 

@@ -88,7 +88,7 @@ pub fn write(
         }
     }
     done(&mut parts, "write maps");
-    let catalogue = Catalogue::of(input, run, &request.extras);
+    let catalogue = Catalogue::of(input, run, request);
     done(&mut parts, "catalogue");
     for &format in &request.formats {
         catalogue.write(format, &provenance, products)?;

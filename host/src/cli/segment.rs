@@ -5,7 +5,7 @@ use super::job::{Done, Manner, plan, process};
 use super::messages::{Volume, about_input, progress_bar, report, show};
 use super::{Beside, Measuring, Options, Usage, batch};
 use crate::input::Input;
-use crate::read::{self, HduChoice};
+use crate::read::{HduChoice, Place};
 use crate::write::Products;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -17,8 +17,9 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The images: FITS (also .gz, .fz), PGM or PNG. Each of several gets its own folder below
-    /// --out, and summary.csv lists them all.
+    /// The images: FITS (also .gz, .fz), PGM or PNG; - is standard input. [HDU] after a name chooses
+    /// an HDU, [X0:X1,Y0:Y1] a section of pixels that count from 1. Each of several images gets its
+    /// own folder below --out, and summary.csv lists them all.
     #[arg(value_name = "IMAGE", required = false, required_unless_present = "dump_config")]
     pub images: Vec<PathBuf>,
     /// Folder for the results; made where it is absent.
@@ -70,7 +71,7 @@ impl Arguments {
     /// How results are written.
     pub fn manner(&self) -> Manner {
         let threads = self.threads.map_or_else(all_processors, usize::from);
-        let request = self.measuring.request();
+        let request = self.measuring.request(threads);
         let arithmetic = self.options.arithmetic;
         Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
     }
@@ -78,7 +79,7 @@ impl Arguments {
     /// Reads an image as it is wanted, with the maps that come with it.
     pub fn read(&self, path: &Path) -> Result<Input> {
         let started = Instant::now();
-        let image = read::image(path, self.hdu.as_ref())?;
+        let image = Place::new(path).read_hdu(self.hdu.as_ref())?;
         let input = self.beside.maps(&self.options).over(&path.display().to_string(), image)?;
         Ok(Input { reading: started.elapsed(), ..input })
     }
@@ -87,6 +88,7 @@ impl Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let config = arguments.options.config();
     arguments.options.arithmetic.validate(&config)?;
+    arguments.measuring.validate()?;
     let marches = config.scheme == Scheme::FastMarching && arguments.options.arithmetic == ArithmeticOption::F32;
     if arguments.manner().request.arrival && !marches {
         bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));

@@ -33,6 +33,11 @@ impl Card {
         rest.strip_prefix(b"= ").or_else(|| rest.strip_prefix(b"=\0"))
     }
 
+    /// Whether an equals sign and a blank announce a value, even a blank one.
+    pub fn has_value(&self) -> bool {
+        self.field().is_some()
+    }
+
     /// The value as text: a string without its quotes and trailing blanks, or the bare token of any other value.
     pub fn value(&self) -> Option<String> {
         value_text(self.field()?)
@@ -51,7 +56,9 @@ fn value_text(field: &[u8]) -> Option<String> {
         Some(quoted) => unquote(quoted),
         None => field.split(|&b| b == b'/').next()?.to_vec(),
     };
-    let text = String::from_utf8_lossy(&bytes).trim_end_matches(['\0', ' ']).to_owned();
+    // Old headers have letters of Latin-1, the sign for micro among them.
+    let text = str::from_utf8(&bytes).map_or_else(|_| bytes.iter().copied().map(char::from).collect(), str::to_owned);
+    let text = text.trim_end_matches(['\0', ' ']).to_owned();
     (!text.is_empty() || field.starts_with(b"'")).then_some(text)
 }
 
@@ -66,6 +73,38 @@ fn unquote(quoted: &[u8]) -> Vec<u8> {
         out.push(byte);
     }
     out
+}
+
+/// A finite number, perhaps with the exponent letter of Fortran.
+pub fn real(text: &str) -> Option<f64> {
+    let text = text.trim().replace(['d', 'D'], "E");
+    text.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// The unit of the pixels (`BUNIT`), spelled as the FITS standard has it: `u` for the sign of micro,
+/// singular and small letters for what is counted.
+pub fn unit(header: &Header) -> Option<String> {
+    const COUNTED: [&str; 5] = ["electron", "count", "photon", "adu", "pixel"];
+    let text = header.text("BUNIT")?.trim().replace(['\u{b5}', '\u{3bc}'], "u");
+    let mut counts = false;
+    let mut word = |word: &str| {
+        let small = word.to_ascii_lowercase();
+        let singular = small.strip_suffix('s').unwrap_or(&small);
+        let counted = COUNTED.iter().find(|name| **name == singular);
+        counts |= counted.is_some();
+        match (counted, small.as_str()) {
+            (Some(name), _) => (*name).to_owned(),
+            (None, "s" | "sec" | "second" | "seconds") if counts => "s".to_owned(),
+            _ => word.to_owned(),
+        }
+    };
+    let mut spelled = String::new();
+    for piece in text.split_inclusive(['/', '*', ' ']) {
+        let (name, mark) = piece.split_at(piece.trim_end_matches(['/', '*', ' ']).len());
+        spelled += &word(name);
+        spelled += mark;
+    }
+    Some(spelled)
 }
 
 impl Header {
@@ -100,8 +139,7 @@ impl Header {
 
     /// The first card with this keyword as a finite number; `None` if absent or not one.
     pub fn real(&self, keyword: &str) -> Option<f64> {
-        let text = self.text(keyword)?.trim().replace(['d', 'D'], "E");
-        text.parse().ok().filter(|value: &f64| value.is_finite())
+        real(&self.text(keyword)?)
     }
 
     /// Whether the first card with this keyword says true (`T`).
@@ -136,6 +174,26 @@ mod tests {
         assert_eq!(header.text("EMPTY").as_deref(), Some(""));
         assert_eq!(header.integer("HUGE"), None);
         assert_eq!(header.text("ABSENT"), None);
+    }
+
+    #[test]
+    fn units_are_spelled_as_the_standard_has_them() {
+        for (found, spelled) in [
+            ("ELECTRONS/S", "electron/s"),
+            ("electrons", "electron"),
+            ("counts/sec", "count/s"),
+            ("ADU", "adu"),
+            ("\u{b5}Jy", "uJy"),
+            ("\u{3bc}Jy/pixel", "uJy/pixel"),
+            ("MJy/sr", "MJy/sr"),
+            ("Jy/beam", "Jy/beam"),
+            ("S", "S"),
+        ] {
+            assert_eq!(unit(&header(&[&format!("BUNIT   = '{found}'")])).as_deref(), Some(spelled));
+        }
+        let mut latin = Card::new("BUNIT   = '?Jy'");
+        latin.0[11] = 0xb5;
+        assert_eq!(unit(&Header::new(vec![latin])).as_deref(), Some("uJy"));
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod picture;
 mod pixels;
 mod place;
 mod png;
+mod section;
 mod source;
 mod tiles;
 

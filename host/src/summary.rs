@@ -2,7 +2,7 @@
 
 use crate::input::Input;
 use crate::pipeline::Segmentation;
-use crate::provenance::{parameters, shortest};
+use crate::provenance::{of_run, shortest};
 use crate::write;
 use serde_json::{Map, Value, json};
 use skyfront_core::config::Config;
@@ -30,7 +30,7 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
     let image = &input.detected.image;
     let outcome = &run.outcome;
     let settings: Map<String, Value> =
-        parameters(config).into_iter().map(|parameter| (parameter.name.to_owned(), json_of(parameter.value))).collect();
+        of_run(config, input).into_iter().map(|parameter| (parameter.name.to_owned(), json_of(parameter.value))).collect();
     let seconds: Map<String, Value> =
         parts.iter().map(|(part, time)| (part.clone(), json!(time.as_secs_f64()))).collect();
     // The noise-aware segmentation moves no front.

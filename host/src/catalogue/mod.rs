@@ -141,7 +141,7 @@ impl Catalogue {
         extras.background = extras.background.or(level.map(|level| Level::Map(level.into())));
         extras.noise = extras.noise.or(noise.map(|noise| Level::Map(noise.into())));
         extras.gain = extras.gain.or_else(|| image.real("GAIN")).filter(|&gain| gain > 0.0);
-        extras.saturation = extras.saturation.or_else(|| image.real("SATURATE"));
+        extras.saturation = extras.saturation.or_else(|| image.real("SATURATE")).or_else(|| image.limit());
         extras.flags |= run_flags(&run.outcome) | if refused.is_some() { flags::NO_COORDINATES } else { 0 };
         let setting = Setting {
             unit: unit(&image.header).unwrap_or_default(),
@@ -158,6 +158,7 @@ impl Catalogue {
         for (row, &blended) in rows.iter_mut().zip(run.blended.iter().flatten()) {
             row.flags = row.flags & !flags::BLENDED | if blended { flags::BLENDED } else { 0 };
         }
+        rows.iter_mut().for_each(|row| row.source.label = input.name_of(row.source.label));
         Catalogue { columns, rows, entries: entries(&scene, &extras), sky, refused }
     }
 

@@ -14,7 +14,8 @@ pub struct Measuring {
     /// Electrons in a unit of the image, for the errors [default: GAIN in the header, else unknown].
     #[arg(long, value_name = "E", value_parser = above_zero, help_heading = "Catalogue")]
     gain: Option<f64>,
-    /// Pixel value from which pixels are saturated [default: SATURATE in the header, else none].
+    /// Pixel value from which pixels are saturated [default: SATURATE in the header, else the
+    /// greatest value of the pixels' type if they are integers].
     #[arg(long, value_name = "LEVEL", value_parser = finite, allow_negative_numbers = true, help_heading = "Catalogue")]
     saturation: Option<f64>,
     /// Magnitude of a flux of 1: adds magnitudes.

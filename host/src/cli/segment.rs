@@ -71,7 +71,8 @@ impl Arguments {
     /// How results are written.
     pub fn manner(&self) -> Manner {
         let threads = self.threads.map_or_else(all_processors, usize::from);
-        let request = self.measuring.request(threads);
+        let mut request = self.measuring.request(threads);
+        request.map_only |= self.beside.is_given();
         let arithmetic = self.options.arithmetic;
         Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
     }

@@ -84,8 +84,7 @@ impl<'a> Scene<'a> {
 
     /// The value above the background of a defined pixel.
     pub(super) fn value(&self, index: usize) -> Option<f64> {
-        let value = f64::from(self.pixels[index]) - self.background.at(index);
-        (value.is_finite() && self.noise.at(index).is_finite()).then_some(value)
+        self.defined(index).map(|light| light.value)
     }
 
     /// The value of a defined pixel that belongs to no source, background included.
@@ -97,28 +96,33 @@ impl<'a> Scene<'a> {
     /// What a pixel counts in an aperture of source `label`, or the flag that says why it counts nothing.
     pub(super) fn light(&self, spot: Spot, label: u32) -> Result<Light, u32> {
         let index = spot.y * self.width + spot.x;
-        let Err(why) = self.own(index, label) else { return self.light_at(index, 0) };
-        match self.neighbours {
-            Neighbours::Mask => Err(why),
-            Neighbours::Keep => self.light_at(index, why),
-            Neighbours::Correct => {
-                let opposite = self.opposite(spot).filter(|&index| self.own(index, label).is_ok());
-                opposite.map_or(Err(why), |index| self.light_at(index, why))
-            }
-        }
+        let why = match self.own(index, label) {
+            Err(why) => why,
+            light => return light,
+        };
+        let replaced = match self.neighbours {
+            Neighbours::Mask => None,
+            Neighbours::Keep => self.defined(index),
+            Neighbours::Correct => self.opposite(spot).and_then(|index| self.own(index, label).ok()),
+        };
+        replaced.map(|light| Light { flags: why, ..light }).ok_or(why)
     }
 
-    /// Whether a pixel belongs to the source or to the sky and is defined.
-    fn own(&self, index: usize, label: u32) -> Result<(), u32> {
+    /// The light of a pixel that belongs to the source or to the sky and is defined.
+    #[inline]
+    fn own(&self, index: usize, label: u32) -> Result<Light, u32> {
         match self.labels[index] {
             other if other != 0 && other != label => Err(flags::NEIGHBOUR),
-            _ => self.value(index).map(|_| ()).ok_or(flags::APERTURE),
+            _ => self.defined(index).ok_or(flags::APERTURE),
         }
     }
 
-    fn light_at(&self, index: usize, found: u32) -> Result<Light, u32> {
-        let value = self.value(index).ok_or(found | flags::APERTURE)?;
-        Ok(Light { value, variance: self.variance(index), flags: found })
+    /// The light of a defined pixel.
+    #[inline]
+    fn defined(&self, index: usize) -> Option<Light> {
+        let sigma = self.noise.at(index);
+        let value = f64::from(self.pixels[index]) - self.background.at(index);
+        (value.is_finite() && sigma.is_finite()).then_some(Light { value, variance: sigma * sigma, flags: 0 })
     }
 
     /// The pixel on the other side of the centre.

@@ -261,7 +261,8 @@ fn separate<L: Level>(
     let regions = work.regions.get(..count).unwrap_or(&[]);
     let typical = Typical::of(field, noise, regions, (work.parents, work.order));
     for _ in 0..2 {
-        let (now, more) = reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
+        let (now, more) =
+            reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
         (count, left_out) = (now, left_out + more);
     }
     compete(field, work.labels, work.regions, 4);

@@ -8,6 +8,7 @@ pub mod catalogue;
 pub mod cli;
 pub mod crosscheck;
 pub mod detection;
+pub mod given;
 pub mod input;
 pub mod machine;
 pub mod measure;

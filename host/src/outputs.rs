@@ -6,7 +6,9 @@ use crate::outline;
 use crate::picture;
 use crate::pipeline::{Segmentation, Values};
 use crate::provenance;
+use crate::read::header::unit;
 use crate::report;
+use crate::sky::Sky;
 use crate::summary::{Part, summary};
 use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError, wcs};
@@ -55,17 +57,15 @@ pub fn write(
         parts.push((part.to_owned(), clock.elapsed()));
         clock = Instant::now();
     };
-    let mut header = wcs::entries(&image.header);
-    let mut provenance = provenance::entries(config, input);
-    provenance.push(Entry::new("SFARITH", run.arithmetic, "arithmetic"));
-    header.extend(provenance.iter().cloned());
+    let header = header(config, input, run.arithmetic);
+    let provenance = provenance(config, input, run.arithmetic);
     let (width, height) = (run.width, run.height);
     write_plane(
         products,
         "segmentation.fits",
         (width, height),
-        &with_unit(&header, "label, 0 = background"),
-        |first, row| copy(row, &run.labels[first..], |label| label as i32),
+        &with_unit(&header, "", "label, 0 = background"),
+        |first, row| copy(row, &run.labels[first..], |label| input.name_of(label) as i32),
     )?;
     if !request.map_only {
         let means: Vec<f32> = run.sources.iter().map(|source| source.mean()).collect();
@@ -73,28 +73,31 @@ pub fn write(
             0 => 0.0,
             label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
         };
-        write_plane(products, VALUES[0], (width, height), &header, |first, row| {
+        let unit = unit(&image.header).unwrap_or_default();
+        write_plane(products, VALUES[0], (width, height), &with_unit(&header, &unit, ""), |first, row| {
             copy(row, &run.labels[first..], mean);
         })?;
     }
     if !run.front.is_empty() {
         let front = |first: usize, row: &mut [f32]| copy(row, &run.front[first..], |value| value);
-        write_front(products, config, input, request, &front)?;
+        write_front(products, config, input, request, &header, &front)?;
     }
     if let (true, Some(sky)) = (request.sky, &run.sky) {
         for (name, map) in SKY.iter().zip([&sky.level, &sky.noise]) {
+            let unit = unit(&image.header).unwrap_or_default();
+            let header = with_unit(&header, &unit, "");
             write_plane(products, name, (width, height), &header, |first, row: &mut [f32]| {
                 copy(row, &map[first..], |value| value);
             })?;
         }
     }
     done(&mut parts, "write maps");
-    let catalogue = Catalogue::of(input, run, &request.extras);
+    let catalogue = Catalogue::of(input, run, request);
     done(&mut parts, "catalogue");
     for &format in &request.formats {
         catalogue.write(format, &provenance, products)?;
     }
-    write_outlines(products, config, run, request, &catalogue)?;
+    write_outlines(products, config, input, run, request, &catalogue)?;
     done(&mut parts, "write catalogue");
     let mut summary = summary(config, input, run, &parts);
     let warnings: Vec<String> =
@@ -131,6 +134,7 @@ fn limits(outcome: &Outcome) -> Vec<String> {
 fn write_outlines(
     products: &mut Products,
     config: &Config,
+    input: &Input,
     run: &Segmentation,
     request: &Request,
     catalogue: &Catalogue,
@@ -138,7 +142,8 @@ fn write_outlines(
     if !request.regions && !request.polygons {
         return Ok(());
     }
-    let rings = outline::rings(&run.labels, &run.front, run.width, run.height, config.connectivity);
+    let mut rings = outline::rings(&run.labels, &run.front, run.width, run.height, config.connectivity);
+    rings.iter_mut().for_each(|ring| ring.label = input.name_of(ring.label));
     if request.regions {
         products.write(outline::REGIONS[0], |out| outline::write_regions(&rings, None, out))?;
         if let Some(sky) = &catalogue.sky {
@@ -160,19 +165,18 @@ pub fn write_front(
     config: &Config,
     input: &Input,
     request: &Request,
+    header: &[Entry],
     front: &Values<'_>,
 ) -> Result<(), WriteError> {
     let image = &input.detected.image;
-    let mut header = wcs::entries(&image.header);
-    header.extend(provenance::entries(config, input));
     let size = (image.width, image.height);
     if !request.map_only {
-        write_plane(products, VALUES[1], size, &header, front)?;
+        write_plane(products, VALUES[1], size, header, front)?;
     }
     if request.arrival {
         // The marched front is the time left at t_max, in pixels of free motion; above 0 it never came.
         let time = |front: f32| if front > 0.0 { f32::NAN } else { ((front + config.farthest()) * config.dx).max(0.0) };
-        let header = with_unit(&header, "arrival time t of the front; NaN = it never came");
+        let header = with_unit(header, "", "arrival time t of the front; NaN = it never came");
         write_plane(products, ARRIVAL, size, &header, |first, row: &mut [f32]| {
             front(first, row);
             row.iter_mut().for_each(|value| *value = time(*value));
@@ -181,8 +185,25 @@ pub fn write_front(
     Ok(())
 }
 
-fn with_unit(header: &[Entry], unit: &str) -> Vec<Entry> {
-    header.iter().cloned().chain([Entry::new("BUNIT", unit, "")]).collect()
+/// How a run was made.
+fn provenance(config: &Config, input: &Input, arithmetic: &str) -> Vec<Entry> {
+    let mut entries = provenance::entries(config, input);
+    entries.push(Entry::new("SFARITH", arithmetic, "arithmetic"));
+    entries
+}
+
+/// The header of a map: the image's coordinates, what is wrong with them, and how the run was made.
+pub fn header(config: &Config, input: &Input, arithmetic: &str) -> Vec<Entry> {
+    let image = &input.detected.image.header;
+    let mut entries = wcs::entries(image);
+    entries.extend(Sky::of(image).err().map(|reason| Entry::new("SFWCS", reason, "why coordinates are not used")));
+    entries.extend(provenance(config, input, arithmetic));
+    entries
+}
+
+/// A header with the unit of the values, empty for none, and what they are.
+fn with_unit(header: &[Entry], unit: &str, meaning: &str) -> Vec<Entry> {
+    header.iter().cloned().chain([Entry::new("BUNIT", unit, meaning)]).collect()
 }
 
 /// Fills a row from the first of the values.

@@ -137,6 +137,14 @@ pub fn parameters(config: &Config) -> Vec<Parameter> {
     list
 }
 
+/// The parameters of a run: none but the method where the map of labels was given.
+pub fn of_run(config: &Config, input: &Input) -> Vec<Parameter> {
+    match input.segmentation {
+        Some(_) => vec![Parameter { keyword: "SFMETHOD", name: "method", value: crate::given::METHOD.into() }],
+        None => parameters(config),
+    }
+}
+
 /// The name of a scheme on the command line.
 pub fn scheme_name(scheme: Scheme) -> &'static str {
     match scheme {
@@ -159,7 +167,7 @@ pub fn entries(config: &Config, input: &Input) -> Vec<Entry> {
         Entry::new("SFCRC", format!("{checksum:08x}"), "CRC-32 of that file"),
     ];
     entries.extend(input.entries());
-    for parameter in parameters(config) {
+    for parameter in of_run(config, input) {
         entries.push(Entry::new(parameter.keyword, parameter.value, parameter.name));
     }
     entries

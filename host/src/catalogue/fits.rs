@@ -1,6 +1,7 @@
 //! The catalogue as a FITS binary table with units and descriptions.
 
 use super::{Catalogue, Value};
+use crate::read::Card;
 use crate::write::fits::{Column, ColumnData, Writer};
 use crate::write::{Entry, WriteError};
 use std::path::Path;
@@ -37,7 +38,36 @@ pub fn write(catalogue: &Catalogue, entries: &[Entry], path: &Path) -> Result<()
             },
         })
         .collect();
+    let mut entries = entries.to_vec();
+    entries.extend(described(catalogue));
     let mut writer = Writer::create(path)?;
-    writer.table("CATALOG", entries, &columns)?;
+    writer.table("CATALOG", &entries, &columns)?;
     writer.finish()
+}
+
+/// Descriptions and content descriptors of the columns: by the keywords that VO tools use, and in the
+/// comments from which astropy reads them.
+fn described(catalogue: &Catalogue) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    let mut lines = vec!["datatype:".to_owned()];
+    for (number, column) in (1..).zip(&catalogue.columns) {
+        entries.push(Entry::new(&format!("TUCD{number}"), column.ucd(), ""));
+        entries.push(Entry::new(&format!("TDESC{number}"), column.description.as_str(), ""));
+        lines.push(format!("- {}", super::text::described(column, "")));
+    }
+    lines.push("meta: {__serialized_columns__: {}}".to_owned());
+    let lines = lines.iter().flat_map(|line| pieces(line));
+    let marked = |end: &str| format!("--{end}-ASTROPY-SERIALIZED-COLUMNS--");
+    let comments = [marked("BEGIN")].into_iter().chain(lines).chain([marked("END")]);
+    entries.extend(comments.map(|line| Entry::Copy(Card::new(&format!("COMMENT {line}")))));
+    entries
+}
+
+/// A line in pieces that fit into cards; all but the last end in a backslash.
+fn pieces(line: &str) -> Vec<String> {
+    const LENGTH: usize = 70;
+    let bytes = line.as_bytes().chunks(LENGTH);
+    let last = bytes.len();
+    let text = |piece| String::from_utf8_lossy(piece).into_owned();
+    (1..).zip(bytes).map(|(n, piece)| text(piece) + if n < last { "\\" } else { "" }).collect()
 }

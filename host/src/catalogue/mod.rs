@@ -1,16 +1,21 @@
 //! The catalogue of a run: sources as measured, and one table of them in several formats.
 
+mod choice;
 mod columns;
 mod fits;
+pub mod names;
 mod text;
+mod votable;
 
+pub use choice::Choice;
 pub use columns::{Column, Setting, Value, columns};
 
 use crate::background::SkyMaps;
 use crate::input::Input;
-use crate::measure::{Extras, Level, Measured, Scene, measure, run_flags};
+use crate::measure::{Extras, Level, Measured, Neighbours, Scene, measure, run_flags};
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
+use crate::read::header::unit;
 use crate::sky::Sky;
 use crate::write::{Entry, Products, WriteError};
 use skyfront_core::flags;
@@ -26,6 +31,8 @@ pub enum Format {
     Fits,
     /// One JSON object a line.
     Jsonl,
+    /// VOTable, as text.
+    Votable,
 }
 
 impl Format {
@@ -36,6 +43,7 @@ impl Format {
             Format::Ecsv => "catalog.ecsv",
             Format::Fits => "catalog.fits",
             Format::Jsonl => "catalog.jsonl",
+            Format::Votable => "catalog.vot",
         }
     }
 }
@@ -45,6 +53,10 @@ impl Format {
 pub struct Request {
     /// What is known beside the image.
     pub extras: Extras<'static>,
+    /// Its columns.
+    pub columns: Choice,
+    /// The alternate coordinates that are wanted, by their letter.
+    pub wcs: Option<char>,
     /// Formats of the catalogue.
     pub formats: Vec<Format>,
     /// Whether DS9 region files are wanted.
@@ -63,6 +75,8 @@ impl Default for Request {
     fn default() -> Self {
         Request {
             extras: Extras::default(),
+            columns: Choice::default(),
+            wcs: None,
             formats: vec![Format::Csv, Format::Fits],
             regions: false,
             polygons: false,
@@ -109,15 +123,14 @@ pub struct Catalogue {
 impl Catalogue {
     /// Measures the sources of a run. Coordinates are those of the image they are measured in, or
     /// of the segmented one where that has none.
-    pub fn of(input: &Input, run: &Segmentation, extras: &Extras<'_>) -> Catalogue {
+    pub fn of(input: &Input, run: &Segmentation, request: &Request) -> Catalogue {
         let observed = input.measured();
         let image = &observed.image;
-        let sky = Sky::of(&image.header).transpose().or_else(|| Sky::of(&input.detected.image.header).transpose());
-        let (sky, refused) = match sky.transpose() {
+        let (sky, refused) = match coordinates(input, request.wcs) {
             Ok(sky) => (sky, None),
             Err(reason) => (None, Some(reason)),
         };
-        let mut extras = extras.clone();
+        let mut extras = request.extras.clone();
         // Another image has another sky; it is measured as that of the segmented one was.
         let of_another = run.sky.as_ref().filter(|_| input.measured.is_some());
         let of_another = of_another.map(|_| SkyMaps::beside(&image.pixels, &run.labels, run.width));
@@ -128,26 +141,30 @@ impl Catalogue {
         extras.background = extras.background.or(level.map(|level| Level::Map(level.into())));
         extras.noise = extras.noise.or(noise.map(|noise| Level::Map(noise.into())));
         extras.gain = extras.gain.or_else(|| image.real("GAIN")).filter(|&gain| gain > 0.0);
-        extras.saturation = extras.saturation.or_else(|| image.real("SATURATE"));
+        extras.saturation = extras.saturation.or_else(|| image.real("SATURATE")).or_else(|| image.limit());
         extras.flags |= run_flags(&run.outcome) | if refused.is_some() { flags::NO_COORDINATES } else { 0 };
-        let scene = Scene::new(&image.pixels, &run.labels, run.width, run.height, &extras);
         let setting = Setting {
-            unit: image.header.text("BUNIT").unwrap_or_default().trim().to_owned(),
+            unit: unit(&image.header).unwrap_or_default(),
             frame: sky.as_ref().map(Sky::frame),
+            refused: refused.is_some(),
             apertures: extras.apertures.clone(),
             zero_point: extras.zero_point,
         };
+        let columns = request.columns.columns(&setting);
+        extras.wanted = Choice::wanted(&columns);
+        let scene = Scene::new(&image.pixels, &run.labels, run.width, run.height, &extras);
         let mut rows = measure(&scene, &run.sources, &extras, sky.as_ref());
         // A deblender knows better than pixels that touch.
         for (row, &blended) in rows.iter_mut().zip(run.blended.iter().flatten()) {
             row.flags = row.flags & !flags::BLENDED | if blended { flags::BLENDED } else { 0 };
         }
-        Catalogue { columns: columns(&setting), rows, entries: entries(&scene, &extras), sky, refused }
+        rows.iter_mut().for_each(|row| row.source.label = input.name_of(row.source.label));
+        Catalogue { columns, rows, entries: entries(&scene, &extras), sky, refused }
     }
 
     /// What a user should know before trusting the columns.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
-        let text = |reason| format!("the header's coordinates are not supported ({reason}): no ra, dec and pa");
+        let text = |reason| format!("the header's coordinates are not supported ({reason}): ra, dec and pa are empty");
         self.refused.iter().map(text)
     }
 
@@ -170,8 +187,22 @@ impl Catalogue {
             Format::Csv => products.write(format.file(), |out| text::csv(self, out)),
             Format::Ecsv => products.write(format.file(), |out| text::ecsv(self, &entries(), out)),
             Format::Jsonl => products.write(format.file(), |out| text::jsonl(self, out)),
+            Format::Votable => products.write(format.file(), |out| votable::write(self, &entries(), out)),
             Format::Fits => products.write_path(format.file(), |path| fits::write(self, &entries(), path)),
         }
+    }
+}
+
+/// The coordinates of the image that is measured, or of the segmented one.
+fn coordinates(input: &Input, letter: Option<char>) -> Result<Option<Sky>, String> {
+    let of = |header| Sky::alternate(header, letter);
+    let sky = match of(&input.measured().image.header)? {
+        None => of(&input.detected.image.header)?,
+        sky => sky,
+    };
+    match letter.filter(|_| sky.is_none()) {
+        Some(letter) => Err(format!("there are none with the letter {letter}")),
+        None => Ok(sky),
     }
 }
 
@@ -186,6 +217,12 @@ fn entries(scene: &Scene<'_>, extras: &Extras<'_>) -> Vec<Entry> {
         level("SFBACK", "background of the fluxes", &scene.background),
         level("SFNOISE", "noise of the flux errors", &scene.noise),
     ];
+    let neighbours = match extras.neighbours {
+        Neighbours::Correct => "correct",
+        Neighbours::Mask => "mask",
+        Neighbours::Keep => "keep",
+    };
+    list.push(Entry::new("SFNEIGHB", neighbours, "what apertures count of other sources"));
     list.extend(extras.gain.map(|gain| Entry::new("SFGAIN", gain, "gain of the flux errors")));
     list.extend(extras.zero_point.map(|zero| Entry::new("SFZERO", zero, "magnitude zero point")));
     list.extend(extras.saturation.map(|level| Entry::new("SFSATUR", level, "saturation level")));

@@ -1,6 +1,6 @@
 //! The catalogue as text: CSV, ECSV (astropy's APE 6) and JSON lines.
 
-use super::{Catalogue, Value};
+use super::{Catalogue, Column, Value};
 use crate::write::{self, Entry};
 use serde_json::json;
 use std::io::{self, Write};
@@ -20,11 +20,8 @@ pub fn csv(catalogue: &Catalogue, out: &mut dyn Write) -> io::Result<()> {
 pub fn ecsv(catalogue: &Catalogue, entries: &[Entry], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:")?;
     for column in &catalogue.columns {
-        let kind = if matches!(column.value, Value::Integer(_)) { "int64" } else { "float64" };
         let unit = if column.unit.is_empty() { String::new() } else { format!("unit: {}, ", json!(column.unit)) };
-        // A JSON string is a YAML string too.
-        let (name, description) = (&column.name, json!(column.description));
-        writeln!(out, "# - {{name: {name}, {unit}datatype: {kind}, description: {description}}}")?;
+        writeln!(out, "# - {}", described(column, &unit))?;
     }
     writeln!(out, "# meta:")?;
     for entry in entries {
@@ -34,6 +31,14 @@ pub fn ecsv(catalogue: &Catalogue, entries: &[Entry], out: &mut dyn Write) -> io
     }
     writeln!(out, "# schema: astropy-2.0")?;
     csv(catalogue, out)
+}
+
+/// A column in YAML, as astropy reads it, with `more` keys.
+pub fn described(column: &Column, more: &str) -> String {
+    let kind = if matches!(column.value, Value::Integer(_)) { "int64" } else { "float64" };
+    // A JSON string is a YAML string too.
+    let (name, description, ucd) = (&column.name, json!(column.description), json!(column.ucd()));
+    format!("{{name: {name}, {more}datatype: {kind}, description: {description}, meta: {{ucd: {ucd}}}}}")
 }
 
 /// A header value as JSON, which is YAML too.

@@ -21,6 +21,10 @@ pub struct Beside {
     /// What the values of weight maps are.
     #[arg(long, value_enum, value_name = "TYPE")]
     weight_type: Option<WeightType>,
+    /// Measure the sources of this label map instead of segmenting: a pixel's value is its source, 0
+    /// is none. No maps but that of the labels are written.
+    #[arg(long, value_name = "LABELS", value_parser = place(), conflicts_with_all = ["start", "arrival"])]
+    segmentation: Option<Place>,
     /// Measure the sources in this image of the same pixels: fluxes, shapes, GAIN, SATURATE and
     /// coordinates are its own.
     #[arg(long, value_name = "IMAGE2", value_parser = place())]
@@ -34,6 +38,11 @@ pub struct Beside {
 }
 
 impl Beside {
+    /// Whether the sources are those of a map.
+    pub fn is_given(&self) -> bool {
+        self.segmentation.is_some()
+    }
+
     /// The maps, with that of the start.
     pub fn maps(&self, options: &Options) -> Maps {
         let weighed = |given: &Option<Given>| given.clone().zip(self.weight_type);
@@ -44,6 +53,7 @@ impl Beside {
             measure: self.measure.clone(),
             measure_background: self.measure_background.clone(),
             measure_weight: weighed(&self.measure_weight),
+            segmentation: self.segmentation.clone(),
             start: options.start_map(),
         }
     }

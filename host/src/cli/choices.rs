@@ -64,6 +64,15 @@ impl ArithmeticOption {
         }
     }
 
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            ArithmeticOption::F32 => <F32>::NAME,
+            ArithmeticOption::Q24 => Q24::NAME,
+            ArithmeticOption::Q11 => Q11::NAME,
+        }
+    }
+
     /// Segments in this arithmetic; an image in which nothing can stand out has no source.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use super::choices::ArithmeticOption;
 use crate::catalogue::Request;
+use crate::given;
 use crate::input::Input;
 use crate::outputs::{self, Written};
 use crate::pipeline::{Drive, Values};
@@ -35,6 +36,8 @@ pub struct Done {
     pub width: usize,
     pub height: usize,
     pub outcome: Outcome,
+    /// Whether the sources are those of a map that was given.
+    pub given: bool,
     /// Time of each part.
     pub parts: Vec<Part>,
     /// What summary.json holds.
@@ -85,15 +88,19 @@ pub fn process(
     // Without pictures and outlines the front goes to its file as soon as it is there, and is not kept.
     let mut written = Ok(());
     let mut take = |front: &Values<'_>| {
-        written = outputs::write_front(&mut products, config, input, &manner.request, front);
+        let header = outputs::header(config, input, manner.arithmetic.name());
+        written = outputs::write_front(&mut products, config, input, &manner.request, &header, front);
     };
-    if !manner.pictures && !manner.request.regions && !manner.request.polygons {
+    if input.segmentation.is_none() && !manner.pictures && !manner.request.regions && !manner.request.polygons {
         drive.take_front = Some(&mut take);
     }
-    let run = manner
-        .arithmetic
-        .segment(config, &input.detected.image, &mut drive)
-        .with_context(|| input.detected.name.clone())?;
+    let run = match &input.segmentation {
+        Some(map) => given::segment(map, &input.detected, manner.arithmetic.name(), manner.pictures),
+        None => manner
+            .arithmetic
+            .segment(config, &input.detected.image, &mut drive)
+            .with_context(|| input.detected.name.clone())?,
+    };
     written?;
     if !can_be_had(run.sources.len() as u64 * SOURCE_BYTES) {
         let (name, sources) = (&input.detected.name, run.sources.len());
@@ -101,7 +108,8 @@ pub fn process(
     }
     let Written { summary, warnings, parts } = outputs::write(&mut products, config, input, &run, &manner.request)?;
     let files = products.publish()?;
-    Ok(Done { width: run.width, height: run.height, outcome: run.outcome, parts, summary, warnings, files })
+    let given = input.segmentation.is_some();
+    Ok(Done { width: run.width, height: run.height, outcome: run.outcome, given, parts, summary, warnings, files })
 }
 
 #[cfg(test)]

@@ -1,23 +1,37 @@
 //! The options that say what is measured, and in which files it is told.
 
-use crate::catalogue::{Format, Request};
-use crate::measure::Extras;
+use super::Usage;
+use crate::catalogue::{Choice, Format, Request};
+use crate::measure::{Extras, Neighbours};
+use anyhow::{Result, bail};
 use clap::Args;
 
 #[derive(Clone, Debug, Args)]
 pub struct Measuring {
-    /// Radii of circular apertures, pixels; a pixel counts with the exact area inside.
+    /// Radii (not diameters) of circular apertures, pixels; a pixel counts with the exact area inside.
     #[arg(long, value_name = "R1,R2,..", value_delimiter = ',', value_parser = radius, help_heading = "Catalogue")]
     apertures: Vec<f64>,
     /// Electrons in a unit of the image, for the errors [default: GAIN in the header, else unknown].
     #[arg(long, value_name = "E", value_parser = above_zero, help_heading = "Catalogue")]
     gain: Option<f64>,
-    /// Pixel value from which pixels are saturated [default: SATURATE in the header, else none].
+    /// Pixel value from which pixels are saturated [default: SATURATE in the header, else the
+    /// greatest value of the pixels' type if they are integers].
     #[arg(long, value_name = "LEVEL", value_parser = finite, allow_negative_numbers = true, help_heading = "Catalogue")]
     saturation: Option<f64>,
     /// Magnitude of a flux of 1: adds magnitudes.
     #[arg(long, value_name = "MAG", value_parser = finite, allow_negative_numbers = true, help_heading = "Catalogue")]
     zero_point: Option<f64>,
+    /// What apertures count where they meet other sources: the light opposite to the centre, nothing,
+    /// or the light there.
+    #[arg(long, value_enum, default_value_t, value_name = "HOW", help_heading = "Catalogue")]
+    neighbours: Neighbours,
+    /// Columns of the catalogue: names, default, all, or a file of names such as SExtractor's .param;
+    /// SExtractor's names are understood too. What no column needs is not measured.
+    #[arg(long, value_name = "NAME|FILE,..", value_delimiter = ',', value_parser = column, help_heading = "Catalogue")]
+    columns: Vec<String>,
+    /// Take the alternate coordinates with this letter.
+    #[arg(long, value_name = "A-Z", value_parser = letter, help_heading = "Catalogue")]
+    wcs: Option<char>,
     /// Formats of the catalogue.
     #[arg(
         long,
@@ -47,8 +61,27 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// What they amount to.
-    pub fn request(&self) -> Request {
+    /// Whether the columns can be had.
+    ///
+    /// # Errors
+    /// Columns that need another option.
+    pub fn validate(&self) -> Result<()> {
+        let choice = self.choice();
+        if self.zero_point.is_none() && choice.magnitudes() {
+            bail!(Usage("--columns names a magnitude, which needs --zero-point"));
+        }
+        if self.apertures.is_empty() && choice.apertures() {
+            bail!(Usage("--columns names a flux within a circle, which needs --apertures"));
+        }
+        Ok(())
+    }
+
+    fn choice(&self) -> Choice {
+        Choice::new(&self.columns).unwrap_or_default()
+    }
+
+    /// What they amount to, measured by so many threads.
+    pub fn request(&self, threads: usize) -> Request {
         let mut formats = self.catalog_format.clone();
         formats.sort_by_key(|format| format.file());
         formats.dedup();
@@ -58,8 +91,12 @@ impl Measuring {
                 saturation: self.saturation,
                 zero_point: self.zero_point,
                 apertures: self.apertures.clone(),
+                neighbours: self.neighbours,
+                threads,
                 ..Extras::default()
             },
+            columns: self.choice(),
+            wcs: self.wcs,
             formats,
             regions: self.regions,
             polygons: self.polygons,
@@ -70,17 +107,28 @@ impl Measuring {
     }
 }
 
+fn column(text: &str) -> std::result::Result<String, String> {
+    Choice::new(&[text.to_owned()]).map(|_| text.to_owned())
+}
+
+fn letter(text: &str) -> std::result::Result<char, String> {
+    match text.as_bytes() {
+        [letter @ b'A'..=b'Z'] => Ok(char::from(*letter)),
+        _ => Err("must be one letter, A to Z".to_owned()),
+    }
+}
+
 /// The largest aperture: a careless one must not take hours.
 const LARGEST: f64 = 1e4;
 
-fn radius(text: &str) -> Result<f64, String> {
+fn radius(text: &str) -> std::result::Result<f64, String> {
     above_zero(text).and_then(|r| if r <= LARGEST { Ok(r) } else { Err(format!("must be at most {LARGEST}")) })
 }
 
-fn above_zero(text: &str) -> Result<f64, String> {
+fn above_zero(text: &str) -> std::result::Result<f64, String> {
     finite(text).and_then(|value| if value > 0.0 { Ok(value) } else { Err("must be above 0".to_owned()) })
 }
 
-fn finite(text: &str) -> Result<f64, String> {
+fn finite(text: &str) -> std::result::Result<f64, String> {
     text.trim().parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "is not a number".to_owned())
 }

@@ -71,7 +71,7 @@ enum Command {
     /// List the presets with their settings.
     Presets,
     /// List the columns of the catalogue and the bits of its flags.
-    Columns,
+    Columns(columns::Arguments),
     /// Print a manual page (read it with `skyfront man | man -l -`).
     Man(manual::ManArguments),
     /// Print the completions for a shell.
@@ -115,7 +115,7 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Simulate(arguments)) => simulate::run(&arguments)?,
         Some(Command::Score(arguments)) => score::run(&arguments)?,
         Some(Command::Presets) => presets::run()?,
-        Some(Command::Columns) => columns::run()?,
+        Some(Command::Columns(arguments)) => columns::run(&arguments)?,
         Some(Command::Man(arguments)) => manual::man(&arguments)?,
         Some(Command::Completions(arguments)) => manual::completions(&arguments)?,
         None => demo::run(&demo::Arguments::into_default_folder())?,

@@ -7,7 +7,7 @@ use super::messages::{Volume, about_input, progress_bar, report, show};
 use super::say::{Stderr, Stdout};
 use super::{Beside, Measuring, Options, Usage, batch};
 use crate::input::Input;
-use crate::read::{self, HduChoice};
+use crate::read::{HduChoice, Place};
 use crate::write::Products;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -19,8 +19,9 @@ use std::time::Instant;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The images: FITS (also .gz, .fz), PGM or PNG. Each of several gets its own folder below
-    /// --out, and summary.csv lists them all.
+    /// The images: FITS (also .gz, .fz), PGM or PNG; - is standard input. [HDU] after a name chooses
+    /// an HDU, [X0:X1,Y0:Y1] a section of pixels that count from 1. Each of several images gets its
+    /// own folder below --out, and summary.csv lists them all.
     #[arg(value_name = "IMAGE", required = false, required_unless_present = "dump_config")]
     pub images: Vec<PathBuf>,
     /// Folder for the results; made where it is absent.
@@ -76,7 +77,8 @@ impl Arguments {
     /// How results are written.
     pub fn manner(&self) -> Manner {
         let threads = self.threads.map_or_else(all_processors, usize::from);
-        let request = self.measuring.request();
+        let mut request = self.measuring.request(threads);
+        request.map_only |= self.beside.is_given();
         let arithmetic = self.options.arithmetic;
         Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
     }
@@ -96,7 +98,7 @@ impl Arguments {
             share = Some(memory.take(need(config, &manner, maps.count(), size)?, size)?);
             Ok(())
         };
-        let image = read::image_if(path, self.hdu.as_ref(), &mut admit)?;
+        let image = Place::new(path).read_hdu_if(self.hdu.as_ref(), &mut admit)?;
         let input = maps.over(&path.display().to_string(), image)?;
         Ok((Input { reading: started.elapsed(), ..input }, share))
     }
@@ -105,6 +107,7 @@ impl Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let config = arguments.options.config();
     arguments.options.arithmetic.validate(&config)?;
+    arguments.measuring.validate()?;
     let marches = config.scheme == Scheme::FastMarching && arguments.options.arithmetic == ArithmeticOption::F32;
     if arguments.manner().request.arrival && !marches {
         bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));

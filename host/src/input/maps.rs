@@ -1,6 +1,6 @@
 //! The maps that a command line names, read and checked against the image.
 
-use super::{Beside, Input, MapError, Observed, Reason, StartMap, WeightType};
+use super::{Beside, Input, LabelMap, MapError, Observed, Reason, StartMap, WeightType};
 use crate::read::{Image, Place};
 use std::fmt;
 
@@ -19,6 +19,8 @@ pub struct Maps {
     pub measure_background: Option<Given>,
     /// Its noise.
     pub measure_weight: Option<(Given, WeightType)>,
+    /// A label map whose sources are measured instead of segmenting.
+    pub segmentation: Option<Place>,
     /// Where the front starts, and its margin, pixels.
     pub start: Option<(Place, f32)>,
 }
@@ -111,6 +113,17 @@ impl Maps {
                 left(&observed.image, given, NO_WEIGHT).map_err(|reason| MapError { option: wht, reason })?;
                 (observed.noise, observed.relative) = (Some(noise), kind.is_relative());
             }
+        }
+        if let Some(place) = &self.segmentation {
+            let map = loader.image("segmentation", "SFSEGMAP", place)?;
+            let labels = LabelMap::of(&map).map_err(|at| Reason::Content {
+                file: place.to_string(),
+                x: at % map.width + 1,
+                y: at / map.width + 1,
+                value: map.pixels[at],
+                wanted: "labels are whole numbers from 0 to 16777215",
+            });
+            input.segmentation = Some(labels.map_err(|reason| MapError { option: "segmentation", reason })?);
         }
         if let Some((place, margin)) = &self.start {
             let map = loader.image("start", "SFSTMAP", place)?;

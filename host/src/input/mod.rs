@@ -1,11 +1,13 @@
 //! All that goes into a run: the image, and the maps that say more about its pixels.
 
 mod error;
+mod labels;
 mod maps;
 mod start;
 mod weight;
 
 pub use error::{MapError, Reason};
+pub use labels::LabelMap;
 pub use maps::{Given, Maps};
 pub use start::StartMap;
 pub use weight::WeightType;
@@ -39,6 +41,8 @@ pub struct Input {
     pub measured: Option<Observed>,
     /// Where the front starts, where a map says it.
     pub start: Option<StartMap>,
+    /// A label map that takes the place of the segmentation.
+    pub segmentation: Option<LabelMap>,
     /// Pixels that the mask and the weight map took from the segmented image.
     pub removed: usize,
     /// The files beside the image.
@@ -72,7 +76,20 @@ impl Input {
     /// An image alone.
     pub fn alone(name: &str, image: Image) -> Input {
         let detected = Observed { name: name.to_owned(), image, background: None, noise: None, relative: false };
-        Input { detected, measured: None, start: None, removed: 0, beside: Vec::new(), reading: Duration::ZERO }
+        Input {
+            detected,
+            measured: None,
+            start: None,
+            segmentation: None,
+            removed: 0,
+            beside: Vec::new(),
+            reading: Duration::ZERO,
+        }
+    }
+
+    /// The label that a source has in maps and catalogues: that of a given map, if there is one.
+    pub fn name_of(&self, label: u32) -> u32 {
+        self.segmentation.as_ref().map_or(label, |map| map.name(label))
     }
 
     /// The image in which the sources are measured.

@@ -1,6 +1,7 @@
 //! Fluxes within ellipses and circles, by the exact area that each pixel shares with them.
 
 use super::overlap::circle_polygon;
+use super::scene::{Light, Spot};
 use super::{Flux, Scene};
 use skyfront_core::flags;
 
@@ -23,8 +24,12 @@ pub struct Aperture {
     pub a: f64,
     /// The other semi-axis.
     pub b: f64,
-    /// Sine and cosine of the angle from the x axis towards y to the first semi-axis.
-    direction: (f64, f64),
+    /// A place in units of the semi-axes: rows of the matrix that is applied to (dx, dy).
+    to_unit: [(f64, f64); 2],
+    /// Half of its width and of its height.
+    half: (f64, f64),
+    /// The row, from the centre, of its point farthest along x.
+    tip: f64,
     /// The greatest distance of a pixel's corner from its centre, in units of the semi-axes.
     reach: f64,
 }
@@ -32,51 +37,77 @@ pub struct Aperture {
 impl Aperture {
     /// A circle.
     pub fn circle(x: f64, y: f64, radius: f64) -> Aperture {
-        Aperture { x, y, a: radius, b: radius, direction: (0.0, 1.0), reach: CORNER / radius }
+        Aperture::ellipse((x, y), (radius, radius), 0.0)
     }
 
     /// An ellipse around (x, y) with the semi-axes (a, b), the first in the direction `theta` from
     /// the x axis towards y, radians.
     pub fn ellipse((x, y): (f64, f64), (a, b): (f64, f64), theta: f64) -> Aperture {
-        Aperture { x, y, a, b, direction: libm::sincos(theta), reach: CORNER / a.min(b) }
+        let (sin, cos) = if theta == 0.0 { (0.0, 1.0) } else { libm::sincos(theta) };
+        let half = (length(a * cos, b * sin), length(a * sin, b * cos));
+        Aperture {
+            x,
+            y,
+            a,
+            b,
+            to_unit: [(cos / a, sin / a), (-sin / b, cos / b)],
+            half,
+            tip: (a * a - b * b) * sin * cos / half.0,
+            reach: CORNER / a.min(b),
+        }
     }
 
-    /// Calls `each` with the index of every pixel of the image that may lie inside, and its place
-    /// (dx, dy) from the centre; whether the bounding box lies within the image.
-    pub(super) fn visit(&self, width: usize, height: usize, mut each: impl FnMut(usize, f64, f64)) -> bool {
-        let (sin, cos) = self.direction;
-        let (wide, high) = (length(self.a * cos, self.b * sin), length(self.a * sin, self.b * cos));
-        let range = |centre: f64, half: f64, n: usize| {
-            let (low, high) = ((centre - half + 0.5).floor(), (centre + half + 0.5).ceil());
+    /// Calls `each` with every pixel of the image that may lie inside; whether the bounding box
+    /// lies within the image. Cost: the pixels inside and along the border, and the rows.
+    pub(super) fn visit(&self, width: usize, height: usize, mut each: impl FnMut(Spot)) -> bool {
+        let range = |centre: f64, (low, high): (f64, f64), n: usize| {
+            let (low, high) = ((centre + low + 0.5).floor(), (centre + high + 0.5).ceil());
             (low.max(0.0) as usize..(high.max(0.0) as usize).min(n), low >= 0.0 && high <= n as f64)
         };
-        let ((columns, inside_x), (rows, inside_y)) = (range(self.x, wide, width), range(self.y, high, height));
-        for row in rows {
-            for column in columns.clone() {
-                each(row * width + column, column as f64 - self.x, row as f64 - self.y);
+        let (_, inside_x) = range(self.x, (-self.half.0, self.half.0), width);
+        let (rows, inside_y) = range(self.y, (-self.half.1, self.half.1), height);
+        for y in rows {
+            let dy = y as f64 - self.y;
+            for x in range(self.x, self.span(dy), width).0 {
+                each(Spot { x, y, dx: x as f64 - self.x, dy });
             }
         }
         inside_x && inside_y
     }
 
-    /// A place (dx, dy) from the centre in units of the semi-axes.
-    fn unit(&self, dx: f64, dy: f64) -> (f64, f64) {
-        let (sin, cos) = self.direction;
-        ((dx * cos + dy * sin) / self.a, (dy * cos - dx * sin) / self.b)
+    /// The least and the greatest dx of the ellipse within the row of pixels around `dy`.
+    fn span(&self, dy: f64) -> (f64, f64) {
+        let [(p, q), (r, s)] = self.to_unit;
+        // A dx^2 + 2 B dx dy + C dy^2 = 1.
+        let (square, mixed, other) = (p * p + r * r, p * q + r * s, q * q + s * s);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for edge in [dy - 0.5, dy + 0.5] {
+            let (middle, rest) = (mixed * edge, square * (1.0 - other * edge * edge));
+            let discriminant = middle * middle + rest;
+            if discriminant >= 0.0 {
+                let root = discriminant.sqrt();
+                low = low.min((-middle - root) / square);
+                high = high.max((-middle + root) / square);
+            }
+        }
+        let within = |place: f64| (place - dy).abs() <= 0.5;
+        (if within(-self.tip) { -self.half.0 } else { low }, if within(self.tip) { self.half.0 } else { high })
     }
 
-    /// The distance of a place from the centre in units of the semi-axes.
-    fn distance(&self, dx: f64, dy: f64) -> f64 {
-        let (u, v) = self.unit(dx, dy);
-        length(u, v)
+    /// A place (dx, dy) from the centre in units of the semi-axes.
+    fn unit(&self, dx: f64, dy: f64) -> (f64, f64) {
+        let [(p, q), (r, s)] = self.to_unit;
+        (p * dx + q * dy, r * dx + s * dy)
     }
 
     /// The share of a pixel at (dx, dy) from the centre that lies inside.
     pub(super) fn share(&self, dx: f64, dy: f64) -> f64 {
-        let distance = self.distance(dx, dy);
-        if distance + self.reach <= 1.0 {
+        let (u, v) = self.unit(dx, dy);
+        let square = u * u + v * v;
+        let (whole, none) = (1.0 - self.reach, 1.0 + self.reach);
+        if whole >= 0.0 && square <= whole * whole {
             1.0
-        } else if distance >= 1.0 + self.reach {
+        } else if square >= none * none {
             0.0
         } else {
             let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| self.unit(dx + x, dy + y));
@@ -84,24 +115,33 @@ impl Aperture {
         }
     }
 
-    /// Flux above the background within the aperture, and the flags it earns. Undefined pixels
-    /// and those of sources other than `label` are left out.
-    pub fn flux(&self, scene: &Scene<'_>, label: u32) -> (Flux, u32) {
-        let (mut flux, mut variance, mut flags) = (0.0, 0.0, 0);
-        let complete = self.visit(scene.width, scene.height, |index, dx, dy| {
-            let share = self.share(dx, dy);
+    /// Calls `each` with what every pixel counts for source `label` and with its share inside; the
+    /// flags that the pixels earn.
+    pub(super) fn lights(&self, scene: &Scene<'_>, label: u32, mut each: impl FnMut(Spot, Light, f64)) -> u32 {
+        let mut flags = 0;
+        let complete = self.visit(scene.width, scene.height, |spot| {
+            let share = self.share(spot.dx, spot.dy);
             if share <= 0.0 {
                 return;
             }
-            match scene.value_for(index, label) {
-                Ok(value) => {
-                    flux += share * value;
-                    variance += share * scene.variance(index);
+            match scene.light(spot, label) {
+                Ok(light) => {
+                    flags |= light.flags;
+                    each(spot, light, share);
                 }
-                Err(flag) => flags |= flag,
+                Err(why) => flags |= why,
             }
         });
-        (scene.flux(flux, variance), flags | if complete { 0 } else { flags::APERTURE })
+        flags | if complete { 0 } else { flags::APERTURE }
+    }
+
+    /// Flux above the background within the aperture, and the flags it earns; NaN where no pixel of
+    /// it can be measured. What pixels of other sources and undefined ones count is said by
+    /// [`super::Neighbours`].
+    pub fn flux(&self, scene: &Scene<'_>, label: u32) -> (Flux, u32) {
+        let mut sum = Sum::default();
+        let flags = self.lights(scene, label, |_, light, share| sum.add(light, share));
+        (sum.flux(scene), flags)
     }
 
     /// Kron's first moment: the mean distance of the light from the centre, in units of the
@@ -109,13 +149,39 @@ impl Aperture {
     /// where there is no light.
     pub fn first_moment(&self, scene: &Scene<'_>, label: u32) -> Option<f64> {
         let (mut light, mut moment) = (0.0, 0.0);
-        self.visit(scene.width, scene.height, |index, dx, dy| {
-            let distance = self.distance(dx, dy);
-            if let (true, Ok(value)) = (distance <= 1.0, scene.value_for(index, label)) {
+        self.visit(scene.width, scene.height, |spot| {
+            let (u, v) = self.unit(spot.dx, spot.dy);
+            let square = u * u + v * v;
+            if square > 1.0 {
+                return;
+            }
+            if let Ok(Light { value, .. }) = scene.light(spot, label) {
                 light += value;
-                moment += value * distance;
+                moment += value * square.sqrt();
             }
         });
         (light > 0.0 && moment > 0.0).then(|| moment / light)
+    }
+}
+
+/// The light of an aperture as it is summed up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sum {
+    area: f64,
+    value: f64,
+    variance: f64,
+}
+
+impl Sum {
+    /// Takes in the share of a pixel.
+    pub(super) fn add(&mut self, light: Light, share: f64) {
+        self.area += share;
+        self.value += share * light.value;
+        self.variance += share * light.variance;
+    }
+
+    /// The flux; NaN where there was no pixel.
+    pub(super) fn flux(&self, scene: &Scene<'_>) -> Flux {
+        if self.area > 0.0 { scene.flux(self.value, self.variance) } else { Flux::NONE }
     }
 }

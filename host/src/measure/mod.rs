@@ -7,16 +7,22 @@
 mod aperture;
 mod growth;
 mod level;
+mod local;
 mod overlap;
 mod scene;
 mod shape;
+mod window;
+mod workers;
 
 pub use aperture::Aperture;
 pub use level::{Level, clipped_scatter, estimate};
-pub use scene::Scene;
-pub use shape::{Shape, Values};
+pub use local::Local;
+pub use scene::{Neighbours, Scene};
+pub use shape::{Ellipse, Shape, Values};
+pub use window::Windowed;
 
-use crate::sky::Sky;
+use crate::sky::{Patch, Sky};
+use aperture::Sum;
 use growth::Growth;
 use skyfront_core::catalog::Source;
 use skyfront_core::flags;
@@ -26,8 +32,6 @@ const KRON_REACH: f64 = 6.0;
 /// The Kron aperture in units of that moment, and its least size in units of the ellipse
 /// (SExtractor's `PHOT_AUTOPARAMS`).
 const KRON: (f64, f64) = (2.5, 3.5);
-/// Halvings of the interval in which the half-light radius lies.
-const HALVINGS: usize = 24;
 
 /// What is known beside the image and the labels; what is absent is estimated or left out.
 #[derive(Clone, Debug, Default)]
@@ -45,8 +49,31 @@ pub struct Extras<'a> {
     pub zero_point: Option<f64>,
     /// Radii of circular apertures, pixels.
     pub apertures: Vec<f64>,
+    /// What apertures count where they meet other sources.
+    pub neighbours: Neighbours,
+    /// What is measured beyond the pixels of the sources.
+    pub wanted: Wanted,
     /// Flags that every source has.
     pub flags: u32,
+    /// Threads that measure; the result does not depend on them.
+    pub threads: usize,
+}
+
+/// What is measured beyond the pixels of the sources; what is not wanted costs nothing and is NaN.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wanted {
+    /// The Kron aperture and the half-light radius.
+    pub kron: bool,
+    /// The windowed centroid; needs the half-light radius.
+    pub windowed: bool,
+    /// The background beside the source.
+    pub local: bool,
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Wanted { kron: true, windowed: false, local: false }
+    }
 }
 
 /// A flux with its error, in units of the image.
@@ -59,6 +86,9 @@ pub struct Flux {
 }
 
 impl Flux {
+    /// No flux.
+    pub const NONE: Flux = Flux { value: f64::NAN, error: f64::NAN };
+
     /// Magnitude and its error for a zero point; NaN where there is no flux.
     pub fn magnitude(&self, zero_point: f64) -> (f64, f64) {
         if self.value > 0.0 {
@@ -90,54 +120,123 @@ pub struct Measured {
     pub kron_radius: f64,
     /// Flux in the Kron aperture.
     pub kron: Flux,
-    /// Radius of the circle around the centroid with half of the Kron flux; NaN where none has.
+    /// Radius of the circle around the centroid with half of the Kron aperture's light; NaN where
+    /// there is none.
     pub half_light: f64,
     /// Flux in each circular aperture.
     pub apertures: Vec<Flux>,
+    /// The windowed centroid.
+    pub windowed: Windowed,
+    /// The background beside the source.
+    pub local: Local,
+    /// Flux of the segment above the background beside the source, with the noise there.
+    pub local_flux: Flux,
     /// Right ascension and declination, degrees.
     pub position: Option<(f64, f64)>,
+    /// Longitude and latitude along the header's own axes, degrees.
+    pub own_position: Option<(f64, f64)>,
+    /// The sky around the centroid.
+    pub patch: Option<Patch>,
+    /// Right ascension and declination of the windowed centroid, degrees.
+    pub windowed_position: Option<(f64, f64)>,
     /// Major axis from north through east, degrees.
     pub position_angle: Option<f64>,
     /// Bits of [`skyfront_core::flags`].
     pub flags: u32,
 }
 
-/// Measures all sources; labels are those of `scene`, 1 for the first source.
+/// Measures all sources; labels are those of `scene`, 1 for the first source. Cost: one pass over
+/// the image, and the pixels of every aperture.
 pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
     let sums = shape::sums(scene, sources);
-    sources.iter().zip(&sums).map(|(source, sums)| one(scene, source, sums, extras, sky)).collect()
+    let task = Task { scene, extras, sky };
+    workers::in_order(sources.len(), extras.threads, |index, growth: &mut Growth| {
+        task.one(&sources[index], &sums[index], growth)
+    })
 }
 
-fn one(scene: &Scene<'_>, source: &Source, sums: &shape::Sums, extras: &Extras<'_>, sky: Option<&Sky>) -> Measured {
-    let shape = sums.shape(source);
-    let label = source.label;
-    let (background, noise, threshold) = sums.levels();
-    let mut flags = sums.flags() | extras.flags;
-    let mut flux_in = |aperture: Aperture| {
-        let (flux, found) = aperture.flux(scene, label);
-        flags |= found;
-        flux
-    };
-    let ellipse = kron_aperture(scene, &shape, label);
-    let kron = flux_in(ellipse);
-    let apertures =
-        extras.apertures.iter().map(|&radius| flux_in(Aperture::circle(shape.x, shape.y, radius))).collect();
-    Measured {
-        source: *source,
-        shape,
-        values: sums.values(source),
-        flux: sums.flux(scene),
-        background,
-        noise,
-        threshold,
-        kron_radius: ellipse.a,
-        kron,
-        half_light: half_light(scene, &shape, label, ellipse.a, kron.value),
-        apertures,
-        position: sky.and_then(|sky| sky.position(shape.x, shape.y)),
-        position_angle: sky.and_then(|sky| sky.position_angle(shape.x, shape.y, shape.theta)),
-        flags: flags & !shape::OUTLINE,
+/// What every source is measured with.
+struct Task<'a> {
+    scene: &'a Scene<'a>,
+    extras: &'a Extras<'a>,
+    sky: Option<&'a Sky>,
+}
+
+/// The Kron aperture's semi-major axis and flux, the half-light radius, and flags.
+struct Kron {
+    radius: f64,
+    flux: Flux,
+    half_light: f64,
+    flags: u32,
+}
+
+impl Task<'_> {
+    fn one(&self, source: &Source, sums: &shape::Sums, growth: &mut Growth) -> Measured {
+        let Task { scene, extras, sky } = self;
+        let shape = sums.shape(source);
+        let label = source.label;
+        let (background, noise, threshold) = sums.levels();
+        let wanted = extras.wanted;
+        let kron = if wanted.kron || wanted.windowed { self.kron(&shape, label, growth) } else { Kron::NONE };
+        let mut flags = sums.flags() | extras.flags | kron.flags;
+        let mut flux_in = |radius: f64| {
+            let (flux, found) = Aperture::circle(shape.x, shape.y, radius).flux(scene, label);
+            flags |= found;
+            flux
+        };
+        let apertures = extras.apertures.iter().map(|&radius| flux_in(radius)).collect();
+        let windowed = if wanted.windowed {
+            Windowed::of(scene, label, (shape.x, shape.y), kron.half_light)
+        } else {
+            Windowed::NONE
+        };
+        let local = if wanted.local { Local::of(scene, source) } else { Local::NONE };
+        Measured {
+            source: *source,
+            shape,
+            values: sums.values(source),
+            flux: sums.flux(scene),
+            background,
+            noise,
+            threshold,
+            kron_radius: kron.radius,
+            kron: kron.flux,
+            half_light: kron.half_light,
+            apertures,
+            windowed,
+            local,
+            local_flux: sums.flux_beside(scene, &local),
+            position: sky.and_then(|sky| sky.position(shape.x, shape.y)),
+            own_position: sky.and_then(|sky| sky.own_position(shape.x, shape.y)),
+            patch: sky.and_then(|sky| sky.patch(shape.x, shape.y)),
+            windowed_position: sky.filter(|_| wanted.windowed).and_then(|sky| sky.position(windowed.x, windowed.y)),
+            position_angle: sky.and_then(|sky| sky.position_angle(shape.x, shape.y, shape.theta)),
+            flags: flags & !shape::OUTLINE,
+        }
     }
+
+    /// The Kron aperture, and the circle with half of its light.
+    fn kron(&self, shape: &Shape, label: u32, growth: &mut Growth) -> Kron {
+        let ellipse = kron_aperture(self.scene, shape, label);
+        let mut sum = Sum::default();
+        growth.clear();
+        let flags = ellipse.lights(self.scene, label, |spot, light, share| {
+            sum.add(light, share);
+            growth.add(spot.dx, spot.dy, share * light.value);
+        });
+        let flux = sum.flux(self.scene);
+        let half_light = if flux.value > 0.0 {
+            growth.settle();
+            growth.radius_of(0.5 * flux.value)
+        } else {
+            f64::NAN
+        };
+        Kron { radius: ellipse.a, flux, half_light, flags }
+    }
+}
+
+impl Kron {
+    const NONE: Kron = Kron { radius: f64::NAN, flux: Flux::NONE, half_light: f64::NAN, flags: 0 };
 }
 
 /// The ellipse of the second moments, enlarged to hold nearly all light.
@@ -146,23 +245,6 @@ fn kron_aperture(scene: &Scene<'_>, shape: &Shape, label: u32) -> Aperture {
     let times = |factor: f64| Aperture::ellipse((shape.x, shape.y), (factor * a, factor * b), shape.theta);
     let moment = times(KRON_REACH).first_moment(scene, label).unwrap_or(0.0) * KRON_REACH;
     times((KRON.0 * moment).max(KRON.1))
-}
-
-/// The radius of the circle with half of a flux, at most `reach`.
-fn half_light(scene: &Scene<'_>, shape: &Shape, label: u32, reach: f64, total: f64) -> f64 {
-    if total.is_nan() || total <= 0.0 {
-        return f64::NAN;
-    }
-    let growth = Growth::new(scene, label, (shape.x, shape.y), reach);
-    if growth.within(reach) < 0.5 * total {
-        return f64::NAN;
-    }
-    let (mut low, mut high) = (0.0, reach);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if growth.within(middle) < 0.5 * total { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }
 
 /// The flags that a whole run earns.

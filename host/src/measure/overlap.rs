@@ -3,38 +3,73 @@
 /// A point, or a vector.
 type Point = (f64, f64);
 
-/// Area of the unit circle around the origin within a polygon whose corners go round
+/// Area of the unit circle around the origin within a convex polygon whose corners go round
 /// counter-clockwise.
 ///
 /// Every edge contributes its triangle with the origin, where outside the circle cut down to a
-/// sector; the signs of the angles take care of corners on any side.
+/// sector. Seen from outside, the sectors together span less than half a turn: as directions they
+/// are multiplied, and one arc tangent gives their angle.
 pub fn circle_polygon(corners: &[Point]) -> f64 {
     let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(&from, &to)| edge(from, to)).sum()
+    let edges = corners.iter().zip(next).map(|(&from, &to)| (from, to));
+    if edges.clone().all(|(from, to)| cross(from, to) >= 0.0) {
+        let one = |edge: Edge| edge.triangle + edge.turns.map(angle).iter().sum::<f64>();
+        return 0.5 * edges.map(|(from, to)| one(Edge::of(from, to))).sum::<f64>();
+    }
+    let (mut triangles, mut turn) = (0.0, AHEAD);
+    for (from, to) in edges {
+        let edge = Edge::of(from, to);
+        triangles += edge.triangle;
+        turn = edge.turns.into_iter().filter(|&part| part != AHEAD).fold(turn, product);
+    }
+    0.5 * (triangles + if turn == AHEAD { 0.0 } else { angle(turn) })
 }
 
-/// The signed area between the origin and an edge, within the unit circle.
-fn edge(from: Point, to: Point) -> f64 {
-    let along = (to.0 - from.0, to.1 - from.1);
-    // |from + t along|^2 = 1 has its two solutions around the point nearest to the origin.
-    let (square, nearest) = (dot(along, along), -dot(from, along));
-    let within = nearest * nearest - square * (dot(from, from) - 1.0);
-    if within <= 0.0 || square == 0.0 {
-        return sector(from, to);
-    }
-    let half = within.sqrt();
-    let (enter, leave) = (((nearest - half) / square).max(0.0), ((nearest + half) / square).min(1.0));
-    if enter >= leave {
-        return sector(from, to);
-    }
-    let at = |t: f64| (from.0 + t * along.0, from.1 + t * along.1);
-    let (first, last) = (at(enter), at(leave));
-    sector(from, first) + 0.5 * cross(first, last) + sector(last, to)
+/// No turn at all.
+const AHEAD: Point = (1.0, 0.0);
+
+/// What an edge contributes, doubled: an area, and the sectors before and behind it by their turn.
+struct Edge {
+    triangle: f64,
+    turns: [Point; 2],
 }
 
-/// Signed area of the unit circle between two directions.
-fn sector(from: Point, to: Point) -> f64 {
-    0.5 * libm::atan2(cross(from, to), dot(from, to))
+impl Edge {
+    fn of(from: Point, to: Point) -> Edge {
+        if dot(from, from) <= 1.0 && dot(to, to) <= 1.0 {
+            return Edge { triangle: cross(from, to), turns: [AHEAD; 2] };
+        }
+        let outside = Edge { triangle: 0.0, turns: [turn(from, to), AHEAD] };
+        let along = (to.0 - from.0, to.1 - from.1);
+        // |from + t along|^2 = 1 has its two solutions around the point nearest to the origin.
+        let (square, nearest) = (dot(along, along), -dot(from, along));
+        let within = nearest * nearest - square * (dot(from, from) - 1.0);
+        if within <= 0.0 || square == 0.0 {
+            return outside;
+        }
+        let half = within.sqrt();
+        let (enter, leave) = ((nearest - half) / square, (nearest + half) / square);
+        if enter.max(0.0) >= leave.min(1.0) {
+            return outside;
+        }
+        let at = |t: f64| (from.0 + t * along.0, from.1 + t * along.1);
+        let (first, before) = if enter > 0.0 { (at(enter), turn(from, at(enter))) } else { (from, AHEAD) };
+        let (last, behind) = if leave < 1.0 { (at(leave), turn(at(leave), to)) } else { (to, AHEAD) };
+        Edge { triangle: cross(first, last), turns: [before, behind] }
+    }
+}
+
+/// The turn from one direction to another, as a complex number of any length.
+fn turn(from: Point, to: Point) -> Point {
+    (dot(from, to), cross(from, to))
+}
+
+fn angle(turn: Point) -> f64 {
+    if turn == AHEAD { 0.0 } else { libm::atan2(turn.1, turn.0) }
+}
+
+fn product(a: Point, b: Point) -> Point {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
 
 fn dot(a: Point, b: Point) -> f64 {

@@ -4,6 +4,43 @@ use super::shape::OUTLINE;
 use super::{Extras, Flux, Level, estimate};
 use skyfront_core::flags;
 
+/// What an aperture counts where it meets the pixels of other sources.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Neighbours {
+    /// The light of the pixel opposite to the aperture's centre, as SExtractor's `CORRECT`; nothing
+    /// where that one cannot serve either. Undefined pixels are replaced in the same way.
+    #[default]
+    Correct,
+    /// Nothing.
+    Mask,
+    /// Their light.
+    Keep,
+}
+
+/// A pixel, and its place from the centre of an aperture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    /// Column.
+    pub x: usize,
+    /// Row.
+    pub y: usize,
+    /// Columns from the centre.
+    pub dx: f64,
+    /// Rows from the centre.
+    pub dy: f64,
+}
+
+/// What a pixel counts in an aperture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Light {
+    /// Above the background.
+    pub value: f64,
+    /// Variance of the background.
+    pub variance: f64,
+    /// What is to be told of it.
+    pub flags: u32,
+}
+
 /// Pixels and labels of one shape, row-major, with background and noise.
 #[derive(Debug)]
 pub struct Scene<'a> {
@@ -19,6 +56,7 @@ pub struct Scene<'a> {
     pub noise: Level<'a>,
     gain: Option<f64>,
     saturation: f64,
+    neighbours: Neighbours,
 }
 
 impl<'a> Scene<'a> {
@@ -35,6 +73,7 @@ impl<'a> Scene<'a> {
             noise: extras.noise.clone().unwrap_or(Level::Constant(noise)),
             gain: extras.gain.filter(|&gain| gain > 0.0),
             saturation: extras.saturation.unwrap_or(f64::INFINITY),
+            neighbours: extras.neighbours,
         }
     }
 
@@ -45,16 +84,54 @@ impl<'a> Scene<'a> {
 
     /// The value above the background of a defined pixel.
     pub(super) fn value(&self, index: usize) -> Option<f64> {
-        let value = f64::from(self.pixels[index]) - self.background.at(index);
-        (value.is_finite() && self.noise.at(index).is_finite()).then_some(value)
+        self.defined(index).map(|light| light.value)
     }
 
-    /// The value of a pixel that an aperture of source `label` may count, or why it may not.
-    pub(super) fn value_for(&self, index: usize, label: u32) -> Result<f64, u32> {
+    /// The value of a defined pixel that belongs to no source, background included.
+    pub(super) fn sky_pixel(&self, index: usize) -> Option<f64> {
+        let free = self.labels[index] == 0 && self.value(index).is_some();
+        free.then(|| f64::from(self.pixels[index]))
+    }
+
+    /// What a pixel counts in an aperture of source `label`, or the flag that says why it counts nothing.
+    pub(super) fn light(&self, spot: Spot, label: u32) -> Result<Light, u32> {
+        let index = spot.y * self.width + spot.x;
+        let why = match self.own(index, label) {
+            Err(why) => why,
+            light => return light,
+        };
+        let replaced = match self.neighbours {
+            Neighbours::Mask => None,
+            Neighbours::Keep => self.defined(index),
+            Neighbours::Correct => self.opposite(spot).and_then(|index| self.own(index, label).ok()),
+        };
+        replaced.map(|light| Light { flags: why, ..light }).ok_or(why)
+    }
+
+    /// The light of a pixel that belongs to the source or to the sky and is defined.
+    #[inline]
+    fn own(&self, index: usize, label: u32) -> Result<Light, u32> {
         match self.labels[index] {
             other if other != 0 && other != label => Err(flags::NEIGHBOUR),
-            _ => self.value(index).ok_or(flags::APERTURE),
+            _ => self.defined(index).ok_or(flags::APERTURE),
         }
+    }
+
+    /// The light of a defined pixel.
+    #[inline]
+    fn defined(&self, index: usize) -> Option<Light> {
+        let sigma = self.noise.at(index);
+        let value = f64::from(self.pixels[index]) - self.background.at(index);
+        (value.is_finite() && sigma.is_finite()).then_some(Light { value, variance: sigma * sigma, flags: 0 })
+    }
+
+    /// The pixel on the other side of the centre.
+    fn opposite(&self, spot: Spot) -> Option<usize> {
+        let mirrored = |at: usize, from: f64, n: usize| {
+            let place = (at as f64 - 2.0 * from).round();
+            (place >= 0.0 && place < n as f64).then_some(place as usize)
+        };
+        Some(mirrored(spot.y, spot.dy, self.height)? * self.width + mirrored(spot.x, spot.dx, self.width)?)
     }
 
     /// Variance of the background at a pixel.
@@ -68,10 +145,14 @@ impl<'a> Scene<'a> {
         f64::from(self.pixels[index]) >= self.saturation
     }
 
+    /// Variance of a pixel: that of the background, and of the light in it.
+    pub(super) fn variance_with(&self, variance: f64, value: f64) -> f64 {
+        variance + self.gain.map_or(0.0, |gain| value.max(0.0) / gain)
+    }
+
     /// A flux with its error, from its sum and the sum of the background's variances.
     pub(super) fn flux(&self, value: f64, variance: f64) -> Flux {
-        let photons = self.gain.map_or(0.0, |gain| value.max(0.0) / gain);
-        Flux { value, error: (variance + photons).sqrt() }
+        Flux { value, error: self.variance_with(variance, value).sqrt() }
     }
 
     /// What lies around a pixel of source `label`: flags, and whether it is on the outline.

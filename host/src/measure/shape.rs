@@ -1,6 +1,6 @@
 //! What the pixels of a segment tell: flux, centroid, second moments, and where it stands.
 
-use super::{Flux, Scene};
+use super::{Flux, Local, Scene};
 use skyfront_core::catalog::Source;
 use skyfront_core::flags;
 
@@ -19,6 +19,10 @@ pub struct Sums {
     weight: f64,
     first: (f64, f64),
     second: (f64, f64, f64),
+    /// The same moments of the variance.
+    noisy: f64,
+    noisy_first: (f64, f64),
+    noisy_second: (f64, f64, f64),
     flags: u32,
 }
 
@@ -50,6 +54,8 @@ pub struct Shape {
     pub b: f64,
     /// From the x axis to the major axis, towards y, radians in (-pi/2, pi/2].
     pub theta: f64,
+    /// Variances of the centroid xx, yy, xy, pixels squared.
+    pub errors: (f64, f64, f64),
 }
 
 /// One pass over the image: the sums of every catalogued source.
@@ -91,14 +97,13 @@ impl Sums {
             self.edge += value;
             self.edge_pixels += 1.0;
         }
-        self.moments_of(value.max(0.0), x as f64 - origin.0, y as f64 - origin.1);
-    }
-
-    fn moments_of(&mut self, weight: f64, x: f64, y: f64) {
-        self.weight += weight;
-        self.first = (self.first.0 + weight * x, self.first.1 + weight * y);
-        let (xx, yy, xy) = self.second;
-        self.second = (xx + weight * x * x, yy + weight * y * y, xy + weight * x * y);
+        let (dx, dy) = (x as f64 - origin.0, y as f64 - origin.1);
+        let light = value.max(0.0);
+        self.weight += light;
+        add_moments(&mut self.first, &mut self.second, light, dx, dy);
+        let variance = scene.variance_with(scene.variance(index), value);
+        self.noisy += variance;
+        add_moments(&mut self.noisy_first, &mut self.noisy_second, variance, dx, dy);
     }
 
     /// The pixel values; the peak of a source without any is at its first pixel.
@@ -111,6 +116,12 @@ impl Sums {
     /// Flux of the segment above the background.
     pub fn flux(&self, scene: &Scene<'_>) -> Flux {
         scene.flux(self.flux, self.variance)
+    }
+
+    /// Flux of the segment above the background beside the source.
+    pub fn flux_beside(&self, scene: &Scene<'_>, local: &Local) -> Flux {
+        let value = self.flux + self.background - self.defined * local.background;
+        scene.flux(value, self.defined * local.noise * local.noise)
     }
 
     /// Mean background and mean noise under the source, and the mean value above the background
@@ -132,19 +143,67 @@ impl Sums {
         if self.weight <= 0.0 {
             let middle = |(from, to): (u32, u32)| 0.5 * (f64::from(from) + f64::from(to));
             let (x, y) = (middle(source.columns), middle(source.rows));
-            return Shape { x, y, moments: (0.0, 0.0, 0.0), a: 0.0, b: 0.0, theta: 0.0 };
+            let errors = (f64::NAN, f64::NAN, f64::NAN);
+            return Shape { x, y, moments: (0.0, 0.0, 0.0), a: 0.0, b: 0.0, theta: 0.0, errors };
         }
         let (dx, dy) = (self.first.0 / self.weight, self.first.1 / self.weight);
         let (xx, yy, xy) = self.second;
         let xx = (xx / self.weight - dx * dx).max(0.0);
         let yy = (yy / self.weight - dy * dy).max(0.0);
         let xy = xy / self.weight - dx * dy;
-        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = (half * half + xy * xy).sqrt();
+        let Ellipse { a, b, theta } = Ellipse::of((xx, yy, xy));
         Shape {
             x: f64::from(source.x0) + dx,
             y: f64::from(source.y0) + dy,
             moments: (xx, yy, xy),
+            a,
+            b,
+            theta,
+            errors: self.errors((dx, dy), xx * yy - xy * xy),
+        }
+    }
+
+    /// Variances of the centroid at `(dx, dy)`: those of its pixels, by their distance from it. Where
+    /// the moments are those of less than a pixel, each is uncertain by a pixel's own width too, as
+    /// SExtractor has it (`ERRX2_IMAGE`).
+    fn errors(&self, (dx, dy): (f64, f64), determinant: f64) -> (f64, f64, f64) {
+        let square = self.weight * self.weight;
+        let (n, (nx, ny), (nxx, nyy, nxy)) = (self.noisy, self.noisy_first, self.noisy_second);
+        let xx = ((nxx - 2.0 * dx * nx + dx * dx * n) / square).max(0.0);
+        let yy = ((nyy - 2.0 * dy * ny + dy * dy * n) / square).max(0.0);
+        let xy = (nxy - dx * ny - dy * nx + dx * dy * n) / square;
+        let least = n / square / 12.0;
+        if determinant < 1.0 / 144.0 && xx * yy - xy * xy < least * least {
+            (xx + least, yy + least, xy)
+        } else {
+            (xx, yy, xy)
+        }
+    }
+}
+
+/// Adds a weight at a place to first and second moments.
+fn add_moments(first: &mut (f64, f64), second: &mut (f64, f64, f64), weight: f64, x: f64, y: f64) {
+    *first = (first.0 + weight * x, first.1 + weight * y);
+    *second = (second.0 + weight * x * x, second.1 + weight * y * y, second.2 + weight * x * y);
+}
+
+/// The ellipse with given second moments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipse {
+    /// Root mean square along the major axis.
+    pub a: f64,
+    /// Root mean square along the minor axis.
+    pub b: f64,
+    /// From the first axis to the major axis, towards the second, radians in (-pi/2, pi/2].
+    pub theta: f64,
+}
+
+impl Ellipse {
+    /// The ellipse of the moments xx, yy, xy.
+    pub fn of((xx, yy, xy): (f64, f64, f64)) -> Ellipse {
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let spread = (half * half + xy * xy).sqrt();
+        Ellipse {
             a: (mean + spread).sqrt(),
             b: (mean - spread).max(0.0).sqrt(),
             theta: if spread > 0.0 { 0.5 * libm::atan2(xy, half) } else { 0.0 },

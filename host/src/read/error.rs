@@ -77,6 +77,9 @@ pub enum Fault {
     /// A legal variety that this program does not read.
     #[error("not supported: {0}")]
     Unsupported(String),
+    /// A section that the image does not have.
+    #[error("{0}")]
+    Section(String),
     /// Every pixel is NaN, BLANK or infinite.
     #[error("every pixel is undefined or infinite; nothing can be measured")]
     NothingDefined,

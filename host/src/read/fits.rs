@@ -63,6 +63,11 @@ fn read_hdu(source: &mut Source, hdu: Hdu, admit: &mut Admit<'_>) -> Result<Imag
         Kind::Other(_) => return Err(not_an_image()),
     };
     warnings.extend(undefined(&pixels, bitpix)?);
+    warnings.extend(hdu.header.oddities());
+    let kept = match &hdu.kind {
+        Kind::Array(shape) => shape.plane_axes().filter(|kept| *kept != [1, 2]),
+        _ => None,
+    };
     Ok(Image {
         width: plane.0 as usize,
         height: plane.1 as usize,
@@ -70,7 +75,7 @@ fn read_hdu(source: &mut Source, hdu: Hdu, admit: &mut Admit<'_>) -> Result<Imag
         hdu: hdu.number,
         name: hdu.name(),
         bitpix,
-        header: hdu.header,
+        header: kept.map_or_else(|| hdu.header.clone(), |kept| hdu.header.with_axes(kept)),
         primary: Header::default(),
         checksum: 0,
         warnings,

@@ -37,20 +37,32 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Columns and rows, if all axes beyond the second have length 1.
-    pub(super) fn plane(&self) -> Option<(u64, u64)> {
+    /// The two axes of a plane, from 1: the first two if all beyond them have length 1, else the only
+    /// two that are longer.
+    pub(super) fn plane_axes(&self) -> Option<[usize; 2]> {
         match self.axes.as_slice() {
-            [0, ..] | [_, 0, ..] => None,
-            [width, height, rest @ ..] if rest.iter().all(|&n| n == 1) => Some((*width, *height)),
-            _ => None,
+            [_, _, rest @ ..] if rest.iter().all(|&n| n == 1) => Some([1, 2]),
+            axes if axes.contains(&0) => None,
+            axes => {
+                let mut long = (1..).zip(axes).filter(|(_, n)| **n > 1).map(|(axis, _)| axis);
+                let pair = [long.next()?, long.next()?];
+                long.next().is_none().then_some(pair)
+            }
         }
+    }
+
+    /// Columns and rows, if all other axes have length 1.
+    pub(super) fn plane(&self) -> Option<(u64, u64)> {
+        let [x, y] = self.plane_axes()?;
+        let (width, height) = (self.axes[x - 1], self.axes[y - 1]);
+        (width > 0 && height > 0).then_some((width, height))
     }
 
     /// The same for tile-compressed data, which were made as an image: a single axis is one row.
     pub(super) fn tiled_plane(&self) -> Option<(u64, u64)> {
         match self.axes.as_slice() {
             [width] if *width > 0 => Some((*width, 1)),
-            _ => self.plane(),
+            _ => self.plane().filter(|_| self.plane_axes() == Some([1, 2])),
         }
     }
 

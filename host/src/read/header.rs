@@ -33,6 +33,11 @@ impl Card {
         rest.strip_prefix(b"= ").or_else(|| rest.strip_prefix(b"=\0"))
     }
 
+    /// Whether an equals sign and a blank announce a value, even a blank one.
+    pub fn has_value(&self) -> bool {
+        self.field().is_some()
+    }
+
     /// The value as text: a string without its quotes and trailing blanks, or the bare token of any other value.
     pub fn value(&self) -> Option<String> {
         value_text(self.field()?)
@@ -51,7 +56,9 @@ fn value_text(field: &[u8]) -> Option<String> {
         Some(quoted) => unquote(quoted),
         None => field.split(|&b| b == b'/').next()?.to_vec(),
     };
-    let text = String::from_utf8_lossy(&bytes).trim_end_matches(['\0', ' ']).to_owned();
+    // Old headers have letters of Latin-1, the sign for micro among them.
+    let text = str::from_utf8(&bytes).map_or_else(|_| bytes.iter().copied().map(char::from).collect(), str::to_owned);
+    let text = text.trim_end_matches(['\0', ' ']).to_owned();
     (!text.is_empty() || field.starts_with(b"'")).then_some(text)
 }
 
@@ -68,6 +75,59 @@ fn unquote(quoted: &[u8]) -> Vec<u8> {
     out
 }
 
+/// A finite number, perhaps with the exponent letter of Fortran.
+pub fn real(text: &str) -> Option<f64> {
+    let text = text.trim().replace(['d', 'D'], "E");
+    text.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// The unit of the pixels (`BUNIT`), spelled as the FITS standard has it: `u` for the sign of micro,
+/// singular and small letters for what is counted.
+pub fn unit(header: &Header) -> Option<String> {
+    const COUNTED: [&str; 5] = ["electron", "count", "photon", "adu", "pixel"];
+    let text = header.text("BUNIT")?.trim().replace(['\u{b5}', '\u{3bc}'], "u");
+    let mut counts = false;
+    let mut word = |word: &str| {
+        let small = word.to_ascii_lowercase();
+        let singular = small.strip_suffix('s').unwrap_or(&small);
+        let counted = COUNTED.iter().find(|name| **name == singular);
+        counts |= counted.is_some();
+        match (counted, small.as_str()) {
+            (Some(name), _) => (*name).to_owned(),
+            (None, "s" | "sec" | "second" | "seconds") if counts => "s".to_owned(),
+            _ => word.to_owned(),
+        }
+    };
+    let mut spelled = String::new();
+    for piece in text.split_inclusive(['/', '*', ' ']) {
+        let (name, mark) = piece.split_at(piece.trim_end_matches(['/', '*', ' ']).len());
+        spelled += &word(name);
+        spelled += mark;
+    }
+    Some(spelled)
+}
+
+/// The name of a keyword of one or two axes, their numbers, and what follows: of `PVi_m` the
+/// parameter belongs to the rest.
+fn axes_of(keyword: &str) -> Option<(&str, Vec<usize>, &str)> {
+    const ONE: [&str; 8] = ["CTYPE", "CUNIT", "CRVAL", "CRPIX", "CDELT", "CROTA", "CRDER", "CSYER"];
+    const TWO: [&str; 2] = ["CD", "PC"];
+    const FIRST: [&str; 2] = ["PV", "PS"];
+    let digits = |text: &'_ str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let after = |names: &[&'static str]| names.iter().find_map(|name| Some((*name, keyword.strip_prefix(name)?)));
+    if let Some((name, rest)) = after(&ONE).or_else(|| after(&FIRST)) {
+        let (number, rest) = rest.split_at(digits(rest));
+        return Some((name, vec![number.parse().ok()?], rest));
+    }
+    let (name, rest) = after(&TWO)?;
+    let (one, rest) = rest.split_at(digits(rest));
+    let (one, two, rest) = match rest.strip_prefix('_') {
+        Some(rest) => (one, &rest[..digits(rest)], &rest[digits(rest)..]),
+        None => (one.get(..3)?, one.get(3..)?, rest),
+    };
+    Some((name, vec![one.parse().ok()?, two.parse().ok()?], rest))
+}
+
 impl Header {
     /// A header made of the given cards.
     pub fn new(cards: Vec<Card>) -> Self {
@@ -77,6 +137,49 @@ impl Header {
     /// All cards in file order.
     pub fn cards(&self) -> &[Card] {
         &self.cards
+    }
+
+    /// The header of an image of which only two axes, numbered from 1, are longer than a pixel: their
+    /// coordinates become those of the axes 1 and 2, and the others are left out.
+    pub fn with_axes(&self, kept: [usize; 2]) -> Header {
+        let renumbered = |card: &Card| match axes_of(card.keyword()) {
+            None => Some(*card),
+            Some((name, numbers, rest)) => {
+                let new: Option<Vec<usize>> =
+                    numbers.iter().map(|number| Some(kept.iter().position(|axis| axis == number)? + 1)).collect();
+                let new: Vec<String> = new?.iter().map(usize::to_string).collect();
+                let mut bytes = card.0;
+                let keyword = format!("{name}{}{rest}", new.join("_"));
+                bytes.iter_mut().take(8).zip(keyword.bytes().chain([b' '; 8])).for_each(|(to, from)| *to = from);
+                Some(Card(bytes))
+            }
+        };
+        Header::new(self.cards.iter().filter_map(renumbered).collect())
+    }
+
+    /// What a user should know of keywords that stand in the header more than once or that hold no
+    /// number where one belongs.
+    pub fn oddities(&self) -> Vec<String> {
+        const NUMBERS: [&str; 3] = ["GAIN", "SATURATE", "EXPTIME"];
+        const FREE: [&str; 5] = ["", "COMMENT", "HISTORY", "CONTINUE", "HIERARCH"];
+        let mut first = std::collections::HashMap::new();
+        let mut twice = Vec::new();
+        for card in self.cards.iter().filter(|card| card.has_value() && !FREE.contains(&card.keyword())) {
+            let before = *first.entry(card.keyword()).or_insert(card);
+            if before.value() != card.value() && !twice.contains(&card.keyword()) {
+                twice.push(card.keyword());
+            }
+        }
+        let mut warnings: Vec<String> = NUMBERS
+            .iter()
+            .filter(|name| self.text(name).is_some() && self.real(name).is_none())
+            .map(|name| format!("{name} = {} is no number and is left out", self.text(name).unwrap_or_default()))
+            .collect();
+        if !twice.is_empty() {
+            let names = twice.join(", ");
+            warnings.push(format!("with several values: {names}; the last counts for coordinates, else the first"));
+        }
+        warnings
     }
 
     /// The value of the first card with this keyword, long strings (`CONTINUE`) joined.
@@ -100,8 +203,13 @@ impl Header {
 
     /// The first card with this keyword as a finite number; `None` if absent or not one.
     pub fn real(&self, keyword: &str) -> Option<f64> {
-        let text = self.text(keyword)?.trim().replace(['d', 'D'], "E");
-        text.parse().ok().filter(|value: &f64| value.is_finite())
+        real(&self.text(keyword)?)
+    }
+
+    /// The first card with this keyword as a whole number, perhaps written as a real one.
+    pub fn whole(&self, keyword: &str) -> Option<i64> {
+        let whole = |value: &f64| value.fract() == 0.0 && value.abs() < 9e15;
+        self.integer(keyword).or_else(|| self.real(keyword).filter(whole).map(|value| value as i64))
     }
 
     /// Whether the first card with this keyword says true (`T`).
@@ -136,6 +244,49 @@ mod tests {
         assert_eq!(header.text("EMPTY").as_deref(), Some(""));
         assert_eq!(header.integer("HUGE"), None);
         assert_eq!(header.text("ABSENT"), None);
+    }
+
+    #[test]
+    fn coordinates_of_the_axes_that_are_left_are_renumbered() {
+        let cards = ["CTYPE1  = 'STOKES'", "CTYPE3  = 'RA---TAN'", "CRVAL4A = 1", "PC3_4   = 2", "PC1_3   = 3"];
+        let more = ["PV4_1   = 4", "PC004003= 5", "GAIN    = 6", "CD3_3   = 7"];
+        let header = header(&[&cards[..], &more[..]].concat()).with_axes([3, 4]);
+        let keywords: Vec<&str> = header.cards().iter().map(Card::keyword).collect();
+        assert_eq!(keywords, ["CTYPE1", "CRVAL2A", "PC1_2", "PV2_1", "PC2_1", "GAIN", "CD1_1"]);
+        assert_eq!((header.text("CTYPE1").as_deref(), header.real("PC2_1")), (Some("RA---TAN"), Some(5.0)));
+    }
+
+    #[test]
+    fn keywords_with_several_values_and_without_a_number_are_told() {
+        let cards = ["GAIN    = 'high'", "A       = 1", "B       = 1", "A       = 2", "B       = 1", "COMMENT = 1"];
+        let warnings = header(&cards).oddities();
+        assert!(warnings.len() == 2 && warnings[0].contains("GAIN = high") && warnings[1].contains("values: A;"));
+    }
+
+    #[test]
+    fn whole_numbers_may_be_written_as_real_ones() {
+        let header = header(&["BLANK   = -32768.0", "HALF    = 0.5", "INT     = 7"]);
+        assert_eq!(["BLANK", "HALF", "INT"].map(|name| header.whole(name)), [Some(-32768), None, Some(7)]);
+    }
+
+    #[test]
+    fn units_are_spelled_as_the_standard_has_them() {
+        for (found, spelled) in [
+            ("ELECTRONS/S", "electron/s"),
+            ("electrons", "electron"),
+            ("counts/sec", "count/s"),
+            ("ADU", "adu"),
+            ("\u{b5}Jy", "uJy"),
+            ("\u{3bc}Jy/pixel", "uJy/pixel"),
+            ("MJy/sr", "MJy/sr"),
+            ("Jy/beam", "Jy/beam"),
+            ("S", "S"),
+        ] {
+            assert_eq!(unit(&header(&[&format!("BUNIT   = '{found}'")])).as_deref(), Some(spelled));
+        }
+        let mut latin = Card::new("BUNIT   = '?Jy'");
+        latin.0[11] = 0xb5;
+        assert_eq!(unit(&Header::new(vec![latin])).as_deref(), Some("uJy"));
     }
 
     #[test]

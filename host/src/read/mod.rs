@@ -17,6 +17,7 @@ mod picture;
 mod pixels;
 mod place;
 mod png;
+mod section;
 mod source;
 mod tiles;
 
@@ -56,6 +57,21 @@ pub struct Image {
 }
 
 impl Image {
+    /// The value at which the type of integer pixels ends, above which none can be; none for others.
+    pub fn limit(&self) -> Option<f64> {
+        let real = |keyword: &str, default| self.header.real(keyword).unwrap_or(default);
+        let (zero, scale) = (real("BZERO", 0.0), real("BSCALE", 1.0));
+        match self.bitpix {
+            // Scaled pixels fill the range of their type, saturated or not.
+            _ if scale != 1.0 => None,
+            bits @ (8 | 16) if self.header.cards().is_empty() => Some((1u32 << bits) as f64 - 1.0),
+            8 => Some(zero + 255.0),
+            16 => Some(zero + f64::from(i16::MAX)),
+            32 => Some(f64::from((zero + f64::from(i32::MAX)) as f32)),
+            _ => None,
+        }
+    }
+
     /// A number from the image's header or, failing that, from the primary header (`EXPTIME`, `GAIN`, ...).
     pub fn real(&self, keyword: &str) -> Option<f64> {
         self.header.real(keyword).or_else(|| self.primary.real(keyword))
@@ -98,7 +114,21 @@ pub fn stream(
     name: &Path,
     hdu: Option<&HduChoice>,
 ) -> Result<Image, ReadError> {
-    read(Source::new(input, length), name, hdu, &mut |_, _| Ok(()))
+    stream_if(input, length, name, hdu, &mut |_, _| Ok(()))
+}
+
+/// Reads one image from a stream of bytes, if `admit` has nothing against its size.
+///
+/// # Errors
+/// As for [`image_if`].
+pub fn stream_if(
+    input: Box<dyn Read>,
+    length: Option<u64>,
+    name: &Path,
+    hdu: Option<&HduChoice>,
+    admit: &mut Admit<'_>,
+) -> Result<Image, ReadError> {
+    read(Source::new(input, length), name, hdu, admit)
 }
 
 fn read(

@@ -25,14 +25,21 @@ impl Scaling {
         if scale == 0.0 {
             return Err(Fault::Header("BSCALE = 0 makes all pixels equal; correct the header".into()));
         }
-        let blank = if bitpix > 0 { header.integer("BLANK") } else { None };
+        let blank = if bitpix > 0 { blank(header, "BLANK")? } else { None };
         Ok(Self { zero: number(header, "BZERO", 0.0)?, scale, blank })
+    }
+
+    /// The zero point.
+    pub(super) fn zero(self) -> f64 {
+        self.zero
     }
 
     /// The same scaling for values to which `offset` has been added already, if that is its zero point.
     pub(super) fn without_offset(self, offset: f64) -> Self {
-        let zero = if self.zero == offset { 0.0 } else { self.zero };
-        Self { zero, ..self }
+        if self.zero != offset {
+            return self;
+        }
+        Self { zero: 0.0, blank: self.blank.map(|blank| blank.saturating_add(offset as i64)), ..self }
     }
 
     /// The physical value of a stored integer. The sum is taken in f64 and rounded once to f32.
@@ -41,7 +48,7 @@ impl Scaling {
     }
 
     /// The same for 64-bit integers, whose sum with a zero point of 2^63 (unsigned numbers) f64 would not hold.
-    fn long(self, stored: i64) -> f32 {
+    pub(super) fn long(self, stored: i64) -> f32 {
         if self.blank == Some(stored) || self.scale != 1.0 || self.zero.fract() != 0.0 {
             return self.integer(stored);
         }
@@ -51,6 +58,15 @@ impl Scaling {
     /// The physical value of a stored floating-point number.
     pub(super) fn real(self, stored: f64) -> f32 {
         (self.zero + self.scale * stored) as f32
+    }
+}
+
+/// The integer for undefined pixels, where there is one.
+pub(super) fn blank(header: &Header, keyword: &str) -> Result<Option<i64>, Fault> {
+    let odd = |text: String| Fault::Header(format!("{keyword} = {text} is not a whole number"));
+    match (header.whole(keyword), header.text(keyword)) {
+        (None, Some(text)) => Err(odd(text)),
+        (number, _) => Ok(number),
     }
 }
 

@@ -1,9 +1,10 @@
-//! A map named on the command line: `FILE`, or `FILE[HDU]`.
+//! An image or a map named on the command line: `FILE`, `FILE[HDU]`, `FILE[X0:X1,Y0:Y1]` or both.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::{Admit, HduChoice, Image, ReadError, image_if};
+use super::section::Section;
+use super::{Admit, Fault, HduChoice, Image, ReadError, image_if, stream_if};
 
 /// Where a map is: a file, and the HDU in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,13 +16,20 @@ impl Place {
         Self(text.into())
     }
 
-    /// The file and the HDU. A file of the whole name goes before the meaning of brackets.
-    fn parts(&self) -> (&Path, Option<HduChoice>) {
-        let split = || self.0.to_str()?.strip_suffix(']')?.rsplit_once('[');
-        match split() {
-            Some((file, hdu)) if !file.is_empty() && !self.0.exists() => (Path::new(file), hdu.parse().ok()),
-            _ => (&self.0, None),
+    /// The file, and what its brackets mean. A file of the whole name goes before the meaning of
+    /// brackets.
+    fn parts(&self) -> Parts<'_> {
+        let mut parts = Parts { file: &self.0, hdu: None, section: None };
+        while let Some((file, inside)) = parts.file.to_str().and_then(bracketed).filter(|_| !parts.file.exists()) {
+            let section = Section::parse(inside);
+            match (section, parts.hdu.is_some()) {
+                (Some(section), false) if parts.section.is_none() => parts.section = Some(section),
+                (None, false) => parts.hdu = inside.parse().ok(),
+                _ => break,
+            }
+            parts.file = Path::new(file);
         }
+        parts
     }
 
     /// Reads the map, if `admit` has nothing against its size.
@@ -29,9 +37,42 @@ impl Place {
     /// # Errors
     /// As [`image_if`].
     pub fn read_if(&self, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
-        let (file, hdu) = self.parts();
-        image_if(file, hdu.as_ref(), admit)
+        self.read_hdu_if(None, admit)
     }
+
+    /// The same from this HDU unless the brackets name one; `-` is standard input. Of a section, its
+    /// own size is heard.
+    ///
+    /// # Errors
+    /// As [`image_if`]; a section that is not in the image.
+    pub fn read_hdu_if(&self, hdu: Option<&HduChoice>, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
+        let parts = self.parts();
+        let hdu = parts.hdu.as_ref().or(hdu);
+        let read = |admit: &mut Admit<'_>| match parts.file == Path::new("-") {
+            true => stream_if(Box::new(std::io::stdin()), None, parts.file, hdu, admit),
+            false => image_if(parts.file, hdu, admit),
+        };
+        let Some(section) = &parts.section else { return read(admit) };
+        let image = section.of(read(&mut |_, _| Ok(()))?).map_err(|fault| fault.in_file(parts.file))?;
+        match admit(image.width as u64, image.height as u64) {
+            Ok(()) => Ok(image),
+            Err(why) => Err(Fault::Refused(why).in_file(parts.file)),
+        }
+    }
+}
+
+/// What a name says.
+#[derive(Debug, PartialEq)]
+struct Parts<'a> {
+    file: &'a Path,
+    hdu: Option<HduChoice>,
+    section: Option<Section>,
+}
+
+/// A name that ends in brackets, and what is in them.
+fn bracketed(text: &str) -> Option<(&str, &str)> {
+    let (file, inside) = text.strip_suffix(']')?.rsplit_once('[')?;
+    (!file.is_empty() && !inside.is_empty()).then_some((file, inside))
 }
 
 impl fmt::Display for Place {
@@ -51,13 +92,19 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let named = folder.join("m[1]");
         std::fs::write(&named, "").unwrap();
-        assert_eq!(Place::new(&named).parts(), (named.as_path(), None));
+        let parts = |file, hdu, section| Parts { file, hdu, section };
+        assert_eq!(Place::new(&named).parts(), parts(&named, None, None));
         let within = folder.join("m[1][DQ,2]");
-        assert_eq!(Place::new(&within).parts(), (named.as_path(), hdu("DQ,2")));
+        assert_eq!(Place::new(&within).parts(), parts(&named, hdu("DQ,2"), None));
         std::fs::remove_dir_all(&folder).unwrap();
-        assert_eq!(Place::new("dq.fits[3]").parts(), (Path::new("dq.fits"), hdu("3")));
+        let file = Path::new("dq.fits");
+        assert_eq!(Place::new("dq.fits[3]").parts(), parts(file, hdu("3"), None));
+        let section = Section::parse("2:5,1:9");
+        assert!(section.is_some());
+        assert_eq!(Place::new("dq.fits[2:5,1:9]").parts(), parts(file, None, section));
+        assert_eq!(Place::new("dq.fits[SCI][2:5,1:9]").parts(), parts(file, hdu("SCI"), section));
         for name in ["dq.fits", "[3]", "a]b"] {
-            assert_eq!(Place::new(name).parts(), (Path::new(name), None));
+            assert_eq!(Place::new(name).parts(), parts(Path::new(name), None, None));
         }
     }
 }

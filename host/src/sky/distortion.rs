@@ -1,10 +1,10 @@
 //! Distortions of the focal plane as polynomials in the header: SIP before the linear step, TPV
 //! after it.
 
-use crate::read::Header;
+use super::keys::Keys;
 
 /// The highest order that the SIP convention allows.
-const SIP_MOST: i64 = 9;
+const SIP_MOST: f64 = 9.0;
 /// The highest number of a TPV coefficient.
 const TPV_LAST: usize = 39;
 
@@ -21,15 +21,15 @@ impl Sip {
     ///
     /// # Errors
     /// The reason, where the orders are absent or out of bounds.
-    pub fn of(header: &Header) -> Result<Sip, String> {
+    pub fn of(keys: &Keys) -> Result<Sip, String> {
         let terms = |letter: &str| {
-            let order = header.integer(&format!("{letter}_ORDER")).ok_or(format!("SIP without {letter}_ORDER"))?;
-            if !(0..=SIP_MOST).contains(&order) {
+            let order = keys.real(&format!("{letter}_ORDER")).ok_or(format!("SIP without {letter}_ORDER"))?;
+            if order.fract() != 0.0 || !(0.0..=SIP_MOST).contains(&order) {
                 return Err(format!("SIP with {letter}_ORDER = {order}, not 0 to {SIP_MOST}"));
             }
             let order = order as i32;
             let powers = (0..=order).flat_map(|p| (0..=order - p).map(move |q| (p, q)));
-            Ok(powers.filter_map(|(p, q)| header.real(&format!("{letter}_{p}_{q}")).map(|c| (p, q, c))).collect())
+            Ok(powers.filter_map(|(p, q)| keys.real(&format!("{letter}_{p}_{q}")).map(|c| (p, q, c))).collect())
         };
         Ok(Sip { terms: [terms("A")?, terms("B")?] })
     }
@@ -52,9 +52,9 @@ pub struct Tpv {
 impl Tpv {
     /// The coefficients of a header whose longitude and latitude axes have these numbers; the
     /// linear one is 1 by default, all others are 0.
-    pub fn of(header: &Header, axes: [usize; 2]) -> Tpv {
+    pub fn of(keys: &Keys, axes: [usize; 2]) -> Tpv {
         let coefficients = axes.map(|axis| {
-            std::array::from_fn(|m| header.real(&format!("PV{axis}_{m}")).unwrap_or(if m == 1 { 1.0 } else { 0.0 }))
+            std::array::from_fn(|m| keys.real(&format!("PV{axis}_{m}")).unwrap_or(if m == 1 { 1.0 } else { 0.0 }))
         });
         Tpv { coefficients }
     }

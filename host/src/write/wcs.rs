@@ -42,7 +42,7 @@ fn is_planar(keyword: &str) -> bool {
         || PER_SYSTEM.contains(&keyword)
         || PER_SYSTEM.contains(&base)
         || rest(&PER_AXIS, base).is_some_and(|n| axis(&n))
-        || rest(&PAIR, base).and_then(|n| two(&n)).is_some_and(|(i, j)| axis(&i) && axis(&j))
+        || rest(&PAIR, base).and_then(|n| two(&n).or_else(|| old(&n))).is_some_and(|(i, j)| axis(&i) && axis(&j))
         || rest(&PARAMETER, base).and_then(|n| two(&n)).is_some_and(|(i, m)| axis(&i) && number(&m))
         || SIP
             .iter()
@@ -59,8 +59,14 @@ fn two(text: impl AsRef<str>) -> Option<(String, String)> {
     text.as_ref().split_once('_').map(|(a, b)| (a.to_owned(), b.to_owned()))
 }
 
+/// The numbers of an old matrix, `PC001002`.
+fn old(text: &str) -> Option<(String, String)> {
+    (text.len() == 6).then(|| text.split_at_checked(3)).flatten().map(|(i, j)| (i.to_owned(), j.to_owned()))
+}
+
+/// One of the first two axes; old matrices have zeros in front, `PC01_02`.
 fn axis(text: &str) -> bool {
-    matches!(text, "1" | "2")
+    matches!(text.trim_start_matches('0'), "1" | "2")
 }
 
 fn number(text: &str) -> bool {
@@ -77,7 +83,7 @@ mod tests {
         for keyword in [
             "CTYPE1", "CRVAL2", "CRPIX1A", "CD1_2", "PC2_1", "CDELT2", "CROTA2", "LONPOLE", "LATPOLEB", "RADESYS",
             "RADECSYS", "EQUINOX", "A_ORDER", "A_0_2", "AP_10_0", "B_DMAX", "PV1_10", "PV2_3A", "WCSAXES", "CUNIT1",
-            "WAT1_001", "WCSNAMEA",
+            "WAT1_001", "WCSNAMEA", "PC001002", "PC01_02", "CD002001",
         ] {
             assert!(is_planar(keyword), "{keyword}");
         }
@@ -88,6 +94,7 @@ mod tests {
         for keyword in [
             "CTYPE3", "CD3_1", "CD1_3", "PC1_3", "PV3_1", "NAXIS1", "BSCALE", "BLANK", "A_RADIUS", "CPDIS1", "DP1",
             "D2IMDIS1", "TCTYP1", "ZNAXIS1", "COMMENT", "HISTORY", "", "CD", "PV1", "CRVAL", "EXTNAME", "CRVAL10",
+            "PC001003", "PC0012",
         ] {
             assert!(!is_planar(keyword), "{keyword}");
         }

@@ -2,8 +2,8 @@
 
 use skyfront::read::image;
 use skyfront::sky::Sky;
-use skyfront::write::Entry;
 use skyfront::write::fits::Writer;
+use skyfront::write::{Entry, Value};
 use skyfront_tests::command::{Folder, messages, skyfront};
 use std::fs;
 
@@ -64,7 +64,7 @@ fn segmented(name: &str, more: &[Entry]) -> (Folder, String) {
         "--zero-point",
         "25",
         "--catalog-format",
-        "csv,ecsv,fits,jsonl",
+        "csv,ecsv,fits,jsonl,votable",
         "--regions",
         "--polygons",
     ]);
@@ -144,15 +144,183 @@ fn regions_and_polygons_enclose_their_sources() {
     }
 }
 
+/// A table of a batch can be stacked on the others: its columns stay.
 #[test]
-fn coordinates_that_are_not_supported_are_left_out_and_said() {
+fn coordinates_that_are_not_supported_are_empty_and_said() {
     let (folder, messages) = segmented("unsupported", &[Entry::new("CPDIS1", "Lookup", "")]);
     assert!(messages.contains("CPDIS1"), "{messages}");
     let csv = lines(&folder, "catalog.csv");
-    assert!(csv[0].split(',').all(|name| name != "ra" && name != "pa"));
-    let flags: u32 = csv[1].rsplit(',').next().expect("a cell").parse().expect("flags");
+    let (supported, _) = segmented("supported", &[]);
+    assert_eq!(csv[0], lines(&supported, "catalog.csv")[0]);
+    for name in ["ra", "dec", "pa", "a_sky", "mu_max"] {
+        assert_eq!(cell(&csv, 1, name), "", "{name}");
+    }
+    let flags: u32 = cell(&csv, 1, "flags").parse().expect("flags");
     assert!(flags & skyfront_core::flags::NO_COORDINATES != 0);
     assert!(!folder.path().join("out/regions_sky.reg").exists());
+    let map = image(folder.path().join("out/segmentation.fits").as_ref(), None).expect("a map").header;
+    assert!(map.text("SFWCS").is_some_and(|reason| reason.contains("CPDIS1")));
+}
+
+/// A cell of a table of lines.
+fn cell<'a>(csv: &'a [String], row: usize, name: &str) -> &'a str {
+    let column = csv[0].split(',').position(|column| column == name).expect(name);
+    csv[row].split(',').nth(column).expect("a cell")
+}
+
+/// Segments the sky with more options, and gives the lines of its CSV.
+fn csv_with(name: &str, options: &[&str]) -> Vec<String> {
+    let folder = Folder::new(name);
+    let sky = folder.file("sky.fits");
+    write_sky(&sky, &[]);
+    let out = folder.file("out");
+    let fixed = ["segment", &sky, "--out", &out, "--preset", "paper-f160", "--no-pictures", "--map-only"];
+    let output = skyfront(fixed.iter().chain(options));
+    assert!(output.status.success(), "{}", messages(&output));
+    lines(&folder, "catalog.csv")
+}
+
+#[test]
+fn columns_are_chosen_by_our_names_or_sextractors() {
+    let csv = csv_with("columns", &["--columns", "NUMBER,xwin,FLUX_AUTO,flags_sex"]);
+    assert_eq!(csv[0], "label,xwin,flux_kron,flags_sex");
+    assert!((cell(&csv, 1, "xwin").parse::<f64>().expect("a number") - 16.0).abs() < 0.05);
+    let folder = Folder::new("param");
+    let file = folder.file("mine.param");
+    fs::write(&file, "NUMBER   # running number\n#X_IMAGE\nALPHA_J2000\nFLUX_APER(2)\n").expect("a file");
+    let csv = csv_with("columns-file", &["--columns", &file, "--apertures", "3,5"]);
+    assert_eq!(csv[0], "label,ra,flux_aper_1,flux_aper_2");
+    let all = csv_with("columns-all", &["--columns", "all", "--apertures", "3", "--zero-point", "25"]);
+    assert!(["glon", "snr_local", "mag_aper_1_err", "mu_max"].iter().all(|name| all[0].split(',').any(|c| c == *name)));
+    assert_eq!((cell(&all, 1, "glon"), cell(&all, 1, "snr_local").is_empty()), ("", false));
+}
+
+#[test]
+fn columns_that_cannot_be_had_are_bad_usage() {
+    for (options, word) in [
+        (&["--columns", "fluxx"][..], "fluxx"),
+        (&["--columns", "mag_kron"], "--zero-point"),
+        (&["--columns", "MU_MAX"], "--zero-point"),
+        (&["--columns", "flux_aper_1"], "--apertures"),
+        (&["--wcs", "a"], "one letter"),
+    ] {
+        let output = skyfront(["segment", "sky.fits", "--out", "nowhere"].iter().chain(options));
+        assert_eq!(output.status.code(), Some(2), "{}", messages(&output));
+        assert!(messages(&output).contains(word), "{}", messages(&output));
+    }
+}
+
+#[test]
+fn tables_tell_virtual_observatories_what_columns_are() {
+    let (folder, _) = segmented("described", &[]);
+    let mut table = fitsio::FitsFile::open(folder.path().join("out/catalog.fits")).expect("a FITS file");
+    let hdu = table.hdu("CATALOG").expect("the table");
+    let ra = lines(&folder, "catalog.csv")[0].split(',').position(|name| name == "ra").expect("ra") + 1;
+    assert_eq!(hdu.read_key::<String>(&mut table, &format!("TUCD{ra}")).expect("a UCD"), "pos.eq.ra;meta.main");
+    let described = hdu.read_key::<String>(&mut table, &format!("TDESC{ra}")).expect("a description");
+    assert!(described.starts_with("right ascension"), "{described}");
+    let bytes = fs::read(folder.path().join("out/catalog.fits")).expect("the file");
+    let text = String::from_utf8_lossy(&bytes);
+    assert!(text.contains("COMMENT --BEGIN-ASTROPY-SERIALIZED-COLUMNS--"), "what astropy reads");
+    let vot = fs::read_to_string(folder.path().join("out/catalog.vot")).expect("a VOTable");
+    assert!(vot.contains("<FIELD name=\"ra\" datatype=\"double\" unit=\"deg\" ucd=\"pos.eq.ra;meta.main\">"), "{vot}");
+    assert_eq!(vot.matches("<TR>").count(), 2);
+    let csv = lines(&folder, "catalog.csv");
+    let row: String = csv[2].split(',').map(|cell| format!("<TD>{cell}</TD>")).collect();
+    assert!(vot.contains(&row), "the same cells");
+}
+
+#[test]
+fn a_given_map_is_measured_under_its_own_labels() {
+    let (folder, _) = segmented("given", &[]);
+    let found = image(folder.path().join("out/segmentation.fits").as_ref(), None).expect("a map");
+    // Other numbers, with gaps, the other way round.
+    let renamed = folder.file("renamed.fits");
+    let mut writer = Writer::create(renamed.as_ref()).expect("a file can be made");
+    let of = |value: f32| if value == 1.0 { 70 } else { value as i32 * 2 };
+    writer
+        .image((SIDE, SIDE), &[], |y, row: &mut [i32]| {
+            row.iter_mut().zip(&found.pixels[y * SIDE..]).for_each(|(out, &value)| *out = of(value));
+        })
+        .expect("an image can be written");
+    writer.finish().expect("the file can be completed");
+    let (sky, out) = (folder.file("sky.fits"), folder.file("again"));
+    let output = skyfront(["segment", &sky, "--out", &out, "--segmentation", &renamed, "--catalog-format", "csv"]);
+    assert!(output.status.success(), "{}", messages(&output));
+    assert!(messages(&output).contains("those of the given map"), "{}", messages(&output));
+    let map = image(folder.path().join("again/segmentation.fits").as_ref(), None).expect("a map");
+    assert_eq!(map.pixels, image(renamed.as_ref(), None).expect("a map").pixels);
+    assert_eq!(map.header.text("SFMETHOD").as_deref(), Some("given"));
+    assert_eq!(map.header.text("BUNIT").as_deref(), Some(""), "a unit that readers accept");
+    assert!(!folder.path().join("again/front.fits").exists());
+    let text = fs::read_to_string(folder.path().join("again/catalog.csv")).expect("a catalogue");
+    let again: Vec<String> = text.lines().map(str::to_owned).collect();
+    assert_eq!((cell(&again, 1, "label"), cell(&again, 2, "label")), ("4", "70"));
+    let first = lines(&folder, "catalog.csv");
+    assert_eq!((cell(&again, 2, "x"), cell(&again, 2, "area")), (cell(&first, 1, "x"), cell(&first, 1, "area")));
+    let mut odd = Writer::create(folder.file("odd.fits").as_ref()).expect("a file can be made");
+    odd.image((SIDE, SIDE), &[], |_, row: &mut [f32]| row.fill(0.5)).expect("an image can be written");
+    odd.finish().expect("the file can be completed");
+    let output = skyfront(["segment", &sky, "--out", &out, "--segmentation", &folder.file("odd.fits"), "--overwrite"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(messages(&output).contains("labels are whole numbers"), "{}", messages(&output));
+}
+
+#[test]
+fn neighbours_are_an_option_that_the_table_tells() {
+    let folder = Folder::new("neighbours");
+    let sky = folder.file("sky.fits");
+    write_sky(&sky, &[]);
+    let kron = |how: &[&str]| {
+        let out = folder.file("out");
+        let fixed = ["segment", &sky, "--out", &out, "--overwrite", "--no-pictures", "--preset", "paper-f160"];
+        let output = skyfront(fixed.iter().chain(how));
+        assert!(output.status.success(), "{}", messages(&output));
+        let table = image(folder.path().join("out/segmentation.fits").as_ref(), None);
+        assert!(table.is_ok());
+        let text = fs::read_to_string(folder.path().join("out/summary.json")).expect("a summary");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        summary["measuring"]["SFNEIGHB"].as_str().expect("a text").to_owned()
+    };
+    assert_eq!(kron(&[]), "correct");
+    assert_eq!(kron(&["--neighbours", "mask"]), "mask");
+}
+
+#[test]
+fn alternate_coordinates_are_those_of_their_letter() {
+    let more = ["CTYPE1A", "CTYPE2A", "CRPIX1A", "CRPIX2A", "CRVAL1A", "CRVAL2A", "CDELT1A", "CDELT2A"];
+    let values: [Value; 8] = [
+        "RA---CAR".into(),
+        "DEC--CAR".into(),
+        30.0.into(),
+        30.0.into(),
+        200.0.into(),
+        0.0.into(),
+        (-1e-4).into(),
+        1e-4.into(),
+    ];
+    let more: Vec<Entry> = more.iter().zip(values).map(|(name, value)| Entry::new(name, value, "")).collect();
+    let folder = Folder::new("alternate");
+    let sky = folder.file("sky.fits");
+    write_sky(&sky, &more);
+    for (letter, ra) in [(None, 83.6), (Some("A"), 200.0)] {
+        let out = folder.file("out");
+        let fixed = ["segment", &sky, "--out", &out, "--overwrite", "--no-pictures", "--preset", "paper-f160"];
+        let letter: Vec<&str> = letter.iter().flat_map(|letter| ["--wcs", letter]).collect();
+        assert!(skyfront(fixed.iter().chain(&letter)).status.success());
+        let found: f64 = cell(&lines(&folder, "catalog.csv"), 1, "ra").parse().expect("a number");
+        assert!((found - ra).abs() < 0.01, "{found} is not near {ra}");
+    }
+}
+
+#[test]
+fn the_names_of_sextractor_are_listed() {
+    let output = skyfront(["columns", "--sextractor"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    for pair in [["FLUX_AUTO", "flux_kron"], ["XWIN_IMAGE", "xwin"], ["FLAGS", "flags_sex"]] {
+        let found = text.lines().any(|line| line.split_whitespace().eq(pair));
+        assert!(found, "{pair:?} is not in {text}");
+    }
 }
 
 #[test]

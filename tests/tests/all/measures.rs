@@ -1,8 +1,9 @@
 //! What sources measure, against photutils 3.0.0 and against numbers worked out by hand.
 
-use skyfront::measure::{Extras, Flux, Level, Measured, Scene, measure};
+use skyfront::measure::{Extras, Flux, Level, Measured, Neighbours, Scene, Wanted, measure};
 use skyfront_core::catalog::Source;
 use skyfront_core::flags;
+use std::time::{Duration, Instant};
 
 /// Segments with the labels given, measured.
 fn measured(pixels: &[f32], labels: &[u32], width: usize, extras: &Extras<'_>) -> Vec<Measured> {
@@ -58,6 +59,167 @@ fn a_galaxy_measures_what_photutils_says() {
         near(found.error, error, "aperture flux error");
     }
     assert_eq!(source.flags, 0);
+}
+
+/// Two stars of one height at column 20 and `far` columns to the right, each half of their light to its label.
+fn pair(far: f64) -> (Vec<f32>, Vec<u32>, usize) {
+    let side = 61;
+    let bell = |x: f64, y: f64| 1000.0 * (-(x * x + y * y) / (2.0 * 2.5 * 2.5)).exp();
+    let place = |at: usize| ((at % side) as f64 - 20.0, (at / side) as f64 - 30.0);
+    let light = |at: usize| {
+        let (x, y) = place(at);
+        (bell(x, y) + bell(x - far, y)) as f32
+    };
+    let pixels: Vec<f32> = (0..side * side).map(light).collect();
+    let labels = (0..side * side).map(|at| match place(at).0 < 0.5 * far {
+        _ if pixels[at] < 20.0 => 0,
+        true => 1,
+        false => 2,
+    });
+    let labels = labels.collect();
+    (pixels, labels, side)
+}
+
+#[test]
+fn a_neighbour_is_replaced_by_the_light_opposite_to_it() {
+    let (pixels, labels, side) = pair(12.0);
+    let flux = |neighbours: Neighbours| {
+        let extras = Extras { neighbours, apertures: vec![10.0], ..known(0.0, 1.0) };
+        let source = measured(&pixels, &labels, side, &extras).remove(0);
+        assert!(source.flags & flags::NEIGHBOUR != 0, "{neighbours:?}");
+        (source.kron.value, source.apertures[0].value)
+    };
+    let alone = 1000.0 * 2.0 * std::f64::consts::PI * 2.5 * 2.5;
+    let [correct, mask, keep] = [Neighbours::Correct, Neighbours::Mask, Neighbours::Keep].map(flux);
+    assert!((correct.0 / alone - 1.0).abs() < 0.01 && (correct.1 / alone - 1.0).abs() < 0.01, "{correct:?} of {alone}");
+    assert!(mask.1 < 0.995 * correct.1 && keep.1 > 1.3 * correct.1, "{mask:?} {correct:?} {keep:?}");
+}
+
+#[test]
+fn an_aperture_without_a_pixel_to_measure_has_no_flux_and_a_flag() {
+    // The second source lies around the first one's centroid.
+    let labels: Vec<u32> = (0..81).map(|at| if (at % 9, at / 9) == (4, 4) { 1 } else { 2 }).collect();
+    let mut pixels = vec![1.0; 81];
+    pixels[40] = f32::NAN;
+    for neighbours in [Neighbours::Correct, Neighbours::Mask] {
+        let extras = Extras { neighbours, apertures: vec![1.5], ..known(0.0, 1.0) };
+        let source = &measured(&pixels, &labels, 9, &extras)[0];
+        assert!(source.apertures[0].value.is_nan() && source.apertures[0].error.is_nan(), "{neighbours:?}");
+        assert!(source.kron.value.is_nan() && source.half_light.is_nan());
+        assert!(source.flags & flags::NEIGHBOUR != 0);
+    }
+    let outside = Extras { apertures: vec![2.0], neighbours: Neighbours::Keep, ..known(0.0, 1.0) };
+    assert!(measured(&pixels, &labels, 9, &outside)[0].apertures[0].value > 0.0);
+}
+
+#[test]
+fn a_windowed_centroid_is_less_moved_by_a_neighbour() {
+    let (pixels, labels, side) = pair(9.0);
+    let wanted = Wanted { windowed: true, ..Wanted::default() };
+    let source = &measured(&pixels, &labels, side, &Extras { wanted, ..known(0.0, 1.0) })[0];
+    let (plain, windowed) = (source.shape.x - 20.0, source.windowed.x - 20.0);
+    assert!(windowed.abs() < 0.3 * plain.abs() && (source.windowed.y - 30.0).abs() < 1e-6, "{plain} {windowed}");
+    assert!(measured(&pixels, &labels, side, &known(0.0, 1.0))[0].windowed.x.is_nan(), "not wanted");
+}
+
+/// The errors of positions are those of many noisy images of one star.
+#[test]
+fn the_errors_of_positions_are_those_of_repeated_images() {
+    let (side, trials, sigma) = (31, 400, 4.0);
+    let labels: Vec<u32> = (0..side * side)
+        .map(|at| u32::from(((at % side) as i32 - 15).pow(2) + ((at / side) as i32 - 15).pow(2) < 36))
+        .collect();
+    let mut state = 1u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1u64 << 24) as f64
+    };
+    let wanted = Wanted { windowed: true, ..Wanted::default() };
+    let (mut plain, mut windowed) = (Vec::new(), Vec::new());
+    let mut errors = (0.0, 0.0);
+    for _ in 0..trials {
+        let pixels: Vec<f32> = (0..side * side)
+            .map(|at| {
+                let (x, y) = ((at % side) as f64 - 15.2, (at / side) as f64 - 14.9);
+                let noise = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+                (300.0 * (-(x * x + y * y) / 8.0).exp() + sigma * noise) as f32
+            })
+            .collect();
+        let source = measured(&pixels, &labels, side, &Extras { wanted, ..known(0.0, sigma) }).remove(0);
+        plain.push(source.shape.x);
+        windowed.push(source.windowed.x);
+        errors = (errors.0 + source.shape.errors.0, errors.1 + source.windowed.errors.0);
+    }
+    let scatter = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+    };
+    for (what, values, square) in [("centroid", &plain, errors.0), ("windowed", &windowed, errors.1)] {
+        let (found, told) = (scatter(values), (square / f64::from(trials)).sqrt());
+        assert!((0.8..1.25).contains(&(told / found)), "{what}: {told} told, {found} found");
+    }
+    assert!(scatter(&windowed) < scatter(&plain));
+}
+
+#[test]
+fn the_sky_beside_a_source_is_its_own() {
+    let (pixels, labels, side) = pair(12.0);
+    let lifted: Vec<f32> = pixels.iter().map(|pixel| pixel + 50.0).collect();
+    let wanted = Wanted { local: true, ..Wanted::default() };
+    let source = &measured(&lifted, &labels, side, &Extras { wanted, ..known(0.0, 1.0) })[0];
+    assert!((source.local.background - 50.0).abs() < 1.0, "{:?}", source.local);
+    let light = source.flux.value - 50.0 * f64::from(source.source.area);
+    assert!((source.local_flux.value / light - 1.0).abs() < 0.01, "{} {light}", source.local_flux.value);
+    assert!(measured(&lifted, &labels, side, &known(0.0, 1.0))[0].local.background.is_nan(), "not wanted");
+}
+
+#[test]
+fn what_is_not_wanted_is_not_measured() {
+    let (pixels, labels, side) = pair(12.0);
+    let wanted = Wanted { kron: false, windowed: false, local: false };
+    let source = &measured(&pixels, &labels, side, &Extras { wanted, ..known(0.0, 1.0) })[0];
+    assert!(source.kron.value.is_nan() && source.half_light.is_nan() && source.flux.value > 0.0);
+}
+
+/// Parallel lines, three pixels thick, along the rows or aslant: each as long as the image.
+fn lines(side: usize, slope: usize) -> (Vec<f32>, Vec<u32>) {
+    let phase = |at: usize| at / side + slope * (at % side);
+    let labels = (0..side * side).map(|at| if phase(at) % 16 < 3 { phase(at) as u32 / 16 + 1 } else { 0 });
+    let labels: Vec<u32> = labels.collect();
+    (labels.iter().map(|&label| if label > 0 { 12.0 } else { 0.0 }).collect(), labels)
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let (pixels, labels) = lines(300, 1);
+    let of = |threads: usize| {
+        let wanted = Wanted { windowed: true, local: true, ..Wanted::default() };
+        let extras = Extras { threads, wanted, apertures: vec![4.0], ..known(0.0, 1.0) };
+        format!("{:?}", measured(&pixels, &labels, 300, &extras))
+    };
+    let one = of(1);
+    assert!([2, 3, 16].into_iter().all(|threads| of(threads) == one));
+}
+
+/// Long thin sources reach as far as round ones of a hundred times their area, and must not cost as
+/// much: four times the pixels in four times as many lines of twice the length take four times as long.
+#[test]
+fn the_time_per_pixel_does_not_grow_with_the_length_of_lines() {
+    for slope in [0, 1] {
+        let time = |side: usize| {
+            let (pixels, labels) = lines(side, slope);
+            let once = || {
+                let start = Instant::now();
+                assert!(measured(&pixels, &labels, side, &known(0.0, 1.0)).iter().any(|line| line.half_light > 0.0));
+                start.elapsed()
+            };
+            (0..3).map(|_| once()).min().unwrap_or(Duration::ZERO).as_secs_f64() / (side * side) as f64
+        };
+        let (short, long) = (time(512), time(2048));
+        println!("slope {slope}: {:.1} and {:.1} ns a pixel", 1e9 * short, 1e9 * long);
+        // Sorting circles of pixels made it 16.
+        assert!(long < 2.5 * short, "slope {slope}: {:.1} and {:.1} ns a pixel", 1e9 * short, 1e9 * long);
+    }
 }
 
 /// Two sources side by side on a sky of 1 with noise 2, an undefined pixel, a saturated one.

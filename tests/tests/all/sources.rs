@@ -9,10 +9,22 @@ use skyfront_tests::noise::gaussian;
 const SIDE: usize = 320;
 /// Places of stars in a frame, not on pixel centres.
 const PLACES: [(f32, f32); 16] = [
-    (40.3, 41.2), (119.6, 38.9), (200.1, 42.5), (278.8, 39.7),
-    (38.5, 120.0), (121.2, 121.7), (198.4, 118.3), (281.1, 122.9),
-    (42.7, 199.4), (118.1, 201.8), (202.6, 200.5), (279.3, 198.2),
-    (39.9, 280.6), (120.8, 278.4), (199.5, 281.3), (280.4, 279.1),
+    (40.3, 41.2),
+    (119.6, 38.9),
+    (200.1, 42.5),
+    (278.8, 39.7),
+    (38.5, 120.0),
+    (121.2, 121.7),
+    (198.4, 118.3),
+    (281.1, 122.9),
+    (42.7, 199.4),
+    (118.1, 201.8),
+    (202.6, 200.5),
+    (279.3, 198.2),
+    (39.9, 280.6),
+    (120.8, 278.4),
+    (199.5, 281.3),
+    (280.4, 279.1),
 ];
 
 /// A star's light at a distance from its centre, with the wings of the atmosphere; 1 at the centre.
@@ -58,6 +70,8 @@ fn a_star_out_of_focus_is_one_source() {
         (-0.5 * off * off).exp()
     };
     for (seed, peak) in [(1, 30.0), (2, 300.0)] {
-        whole(&stars(seed, |dx, dy| peak * (ring(dx, dy) * (1.0 + 0.1 * dx / (dx.hypot(dy) + 0.1)) + 0.45 * moffat(dx, dy, 4.0))));
+        whole(&stars(seed, |dx, dy| {
+            peak * (ring(dx, dy) * (1.0 + 0.1 * dx / (dx.hypot(dy) + 0.1)) + 0.45 * moffat(dx, dy, 4.0))
+        }));
     }
 }

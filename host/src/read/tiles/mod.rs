@@ -170,11 +170,15 @@ impl Recipe {
             "SUBTRACTIVE_DITHER_2" => Some(Method::Dithered { seed, keeps_zero: true }),
             _ => Some(Method::Rounded),
         };
-        let blank = header.integer("ZBLANK").or_else(|| header.integer("BLANK"));
+        let mut blank = pixels::blank(header, "ZBLANK")?.or(pixels::blank(header, "BLANK")?);
         let mut scaling = Scaling::of(header, bitpix)?;
         if matches!(coding, Coding::Plio) {
             // Unsigned 16-bit masks are written by cfitsio with their zero point already added.
-            scaling = scaling.without_offset(32768.0);
+            const OFFSET: f64 = 32768.0;
+            if scaling.zero() == OFFSET {
+                blank = blank.map(|blank| blank.saturating_add(OFFSET as i64));
+            }
+            scaling = scaling.without_offset(OFFSET);
         }
         Ok(Self { coding, bitpix, scaling, quantized, blank, constant })
     }
@@ -187,7 +191,7 @@ impl Recipe {
             Values::Reals(values) => out.extend(values.iter().map(|&value| self.scaling.real(value))),
             Values::Integers(values) if self.bitpix > 0 => out.extend(values.iter().map(|&value| match blank {
                 Some(blank) if blank == value => f32::NAN,
-                _ => self.scaling.real(value as f64),
+                _ => self.scaling.long(value),
             })),
             Values::Integers(values) => {
                 let tile = quantize::Tile {

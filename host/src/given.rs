@@ -1,0 +1,58 @@
+//! A run over a label map that exists: nothing is found, only measured.
+
+use crate::background::SkyMaps;
+use crate::detection::shown;
+use crate::input::{LabelMap, Observed};
+use crate::nothing::without_front;
+use crate::pipeline::{Segmentation, StagePlanes};
+use skyfront_core::catalog::Source;
+use skyfront_core::normalize::Extremes;
+use skyfront_core::outcome::Outcome;
+
+/// The method's name in headers and summaries.
+pub const METHOD: &str = "given";
+
+/// The run that a map of an image stands for; `arithmetic` is that of its numbers, the sky is measured
+/// beside the labels.
+pub fn segment(map: &LabelMap, observed: &Observed, arithmetic: &'static str, keep_stages: bool) -> Segmentation {
+    let image = &observed.image;
+    let (width, height) = (image.width, image.height);
+    let mut extremes = Extremes::NONE;
+    image.pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
+    let mut sources: Vec<Source> = (1..=map.names.len() as u32).map(Source::empty).collect();
+    for (at, (&label, &pixel)) in map.labels.iter().zip(&image.pixels).enumerate() {
+        if let Some(source) = (label as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
+            source.add((at % width) as u32, (at / width) as u32, pixel, extremes.least);
+        }
+    }
+    let sky = SkyMaps::beside(&image.pixels, &map.labels, width);
+    let marked = |outside: f32| map.labels.iter().map(|&label| if label > 0 { 1.0 } else { outside }).collect();
+    let stages = keep_stages.then(|| StagePlanes {
+        normalised: image
+            .pixels
+            .iter()
+            .zip(sky.level.iter().zip(&sky.noise))
+            .map(|(pixel, (level, noise))| shown::unit(&((pixel - level) / noise)))
+            .collect(),
+        rescaled: Vec::new(),
+        filtered: Vec::new(),
+        edge: marked(0.0),
+    });
+    let count = sources.len() as u32;
+    let mask_pixels = map.labels.iter().filter(|label| **label > 0).count() as u32;
+    Segmentation {
+        arithmetic,
+        width,
+        height,
+        labels: map.labels.clone(),
+        front: marked(-1.0),
+        stages,
+        convergence: Vec::new(),
+        sources,
+        blended: None,
+        outcome: Outcome { mask_pixels, sources: count, catalogued: count, ..without_front(extremes) },
+        sky: Some(sky),
+        seconds: Vec::new(),
+        remarks: Vec::new(),
+    }
+}

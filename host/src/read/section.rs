@@ -1,0 +1,105 @@
+//! A rectangle of an image, by pixels that count from 1, both ends included (`[X0:X1,Y0:Y1]`, `*` for
+//! all of an axis).
+
+use super::Image;
+use super::error::Fault;
+use super::header::{Card, Header};
+
+/// First and last column, first and last row; none for a whole axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Section {
+    columns: Option<(usize, usize)>,
+    rows: Option<(usize, usize)>,
+}
+
+impl Section {
+    /// The section that a text names.
+    pub(super) fn parse(text: &str) -> Option<Section> {
+        let range = |text: &str| match text.trim() {
+            "*" => Some(None),
+            text => {
+                let (first, last) = text.split_once(':')?;
+                Some(Some((first.trim().parse().ok()?, last.trim().parse().ok()?)))
+            }
+        };
+        let (columns, rows) = text.split_once(',')?;
+        Some(Section { columns: range(columns)?, rows: range(rows)? })
+    }
+
+    /// The section of an image; its coordinates stay true.
+    pub(super) fn of(self, image: Image) -> Result<Image, Fault> {
+        let (x0, x1) = self.columns.unwrap_or((1, image.width));
+        let (y0, y1) = self.rows.unwrap_or((1, image.height));
+        if !(1 <= x0 && x0 <= x1 && x1 <= image.width && 1 <= y0 && y0 <= y1 && y1 <= image.height) {
+            let (width, height) = (image.width, image.height);
+            return Err(Fault::Section(format!(
+                "section [{x0}:{x1},{y0}:{y1}] is not within {width} x {height} pixels"
+            )));
+        }
+        let rows = image.pixels.chunks_exact(image.width).take(y1).skip(y0 - 1);
+        Ok(Image {
+            width: x1 - x0 + 1,
+            height: y1 - y0 + 1,
+            pixels: rows.flat_map(|row| row[x0 - 1..x1].iter().copied()).collect(),
+            header: moved(&image.header, [x0 - 1, y0 - 1]),
+            ..image
+        })
+    }
+}
+
+/// A header whose reference pixels are so many columns and rows nearer to the first pixel.
+fn moved(header: &Header, by: [usize; 2]) -> Header {
+    let card = |card: &Card| {
+        let keyword = card.keyword();
+        let axis = ["CRPIX1", "CRPIX2"].iter().position(|name| keyword.strip_prefix(name).is_some_and(|a| a.len() < 2));
+        let value = card.value().and_then(|text| super::header::real(&text));
+        match axis.zip(value) {
+            Some((axis, value)) => Card::new(&format!("{keyword:<8}= {:>20?}", value - by[axis] as f64)),
+            None => *card,
+        }
+    };
+    Header::new(header.cards().iter().map(card).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image() -> Image {
+        let cards = ["CRPIX1  = 3.5 / middle", "CRPIX2A = 1", "CRVAL1  = 3.5"].map(Card::new).to_vec();
+        Image {
+            width: 4,
+            height: 3,
+            pixels: (0..12u8).map(f32::from).collect(),
+            header: Header::new(cards),
+            primary: Header::default(),
+            hdu: 0,
+            name: None,
+            bitpix: -32,
+            checksum: 0,
+            warnings: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_section_has_its_pixels_and_the_coordinates_of_the_whole() {
+        let part = Section::parse("2:3, *").and_then(|section| section.of(image()).ok()).expect("a section");
+        assert_eq!((part.width, part.height), (2, 3));
+        assert_eq!(part.pixels, [1.0, 2.0, 5.0, 6.0, 9.0, 10.0]);
+        let real = |keyword: &str| part.header.real(keyword);
+        assert_eq!((real("CRPIX1"), real("CRPIX2A"), real("CRVAL1")), (Some(2.5), Some(1.0), Some(3.5)));
+        let lower = Section::parse("1:4,3:3").and_then(|section| section.of(image()).ok()).expect("a row");
+        assert_eq!((lower.pixels.as_slice(), lower.header.real("CRPIX2A")), (&[8.0, 9.0, 10.0, 11.0][..], Some(-1.0)));
+    }
+
+    #[test]
+    fn what_is_no_section_of_the_image_is_refused() {
+        for text in ["0:2,1:3", "2:1,1:3", "1:5,1:3", "1:4,1:4"] {
+            let fault = Section::parse(text).expect("a section").of(image());
+            assert!(fault.is_err_and(|fault| fault.to_string().contains("section [")), "{text}");
+        }
+        for text in ["SCI", "DQ,2", "1", "1:2", "a:b,1:2"] {
+            assert_eq!(Section::parse(text), None, "{text}");
+        }
+    }
+}

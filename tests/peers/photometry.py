@@ -1,0 +1,153 @@
+"""Compares what sources measure with Skyfront and its peers; see tests/peers/photometry."""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+import warnings
+
+import numpy as np
+import sep
+from astropy.io import fits
+from astropy.table import Table
+from photutils.aperture import CircularAperture
+from photutils.segmentation import SegmentationImage, SourceCatalog
+
+RADIUS, ZERO_POINT, MATCH = 4.0, 25.0, 1.0
+# Our columns, and where the peers have the same quantity.
+PHOTUTILS = {
+    "x": "x_centroid", "y": "y_centroid", "area": "segment_area", "flux": "segment_flux", "flux_err": "segment_flux_err",
+    "a": "semimajor_axis", "b": "semiminor_axis", "ellipticity": "ellipticity", "fwhm": "fwhm",
+    "flux_kron": "kron_flux", "flux_kron_err": "kron_flux_err", "half_light_radius": None, "flux_aper_1": None,
+}
+SEXTRACTOR = {
+    "x": "X_IMAGE", "y": "Y_IMAGE", "xwin": "XWIN_IMAGE", "ywin": "YWIN_IMAGE", "errx2": "ERRX2_IMAGE",
+    "errx2win": "ERRX2WIN_IMAGE", "a": "A_IMAGE", "b": "B_IMAGE", "ellipticity": "ELLIPTICITY", "flux": "FLUX_ISO",
+    "flux_kron": "FLUX_AUTO", "flux_kron_err": "FLUXERR_AUTO", "half_light_radius": "FLUX_RADIUS",
+    "flux_aper_1": "FLUX_APER", "mag_kron": "MAG_AUTO", "kron_factor": "KRON_RADIUS", "background": "BACKGROUND",
+}
+
+
+def pairs(path, side=512, width=3.0, noise=5.0, seed=1):
+    """Stars of a signal-to-noise of 30 to 60, most of them with a neighbour at 2 to 3 widths."""
+    random = np.random.default_rng(seed)
+    sigma = width / 2.3548
+    y, x = np.mgrid[:side, :side].astype(float)
+    pixels = random.normal(100, noise, (side, side))
+    for row in range(30, side - 20, 40):
+        for column in range(30, side - 20, 40):
+            flux = random.uniform(30, 60) * noise * np.sqrt(4 * np.pi) * sigma
+            places = [(column + random.uniform(-0.5, 0.5), row + random.uniform(-0.5, 0.5), flux)]
+            if random.uniform() < 0.7:
+                far, angle = random.uniform(2, 3) * width, random.uniform(0, 2 * np.pi)
+                (cx, cy, _), share = places[0], random.uniform(0.5, 1)
+                places.append((cx + far * np.cos(angle), cy + far * np.sin(angle), share * flux))
+            near = np.s_[row - 25 : row + 26, column - 25 : column + 26]
+            for cx, cy, light in places:
+                square = (x[near] - cx) ** 2 + (y[near] - cy) ** 2
+                pixels[near] += light / (2 * np.pi * sigma**2) * np.exp(-square / (2 * sigma**2))
+    fits.writeto(path, pixels.astype(np.float32))
+
+
+def ours(program, image, folder):
+    words = [program, "segment", image, "--out", folder, "--overwrite", "--no-pictures", "--quiet", "--sky-maps"]
+    words += ["--columns", "all", "--apertures", str(RADIUS), "--zero-point", str(ZERO_POINT)]
+    subprocess.run(words, check=True)
+    maps = {name: fits.getdata(folder / f"{name}.fits").astype(float) for name in ["background", "noise"]}
+    return Table.read(folder / "catalog.fits"), fits.getdata(folder / "segmentation.fits"), maps
+
+
+def photutils(pixels, labels, maps):
+    """Its catalogue of the same labels, neighbours replaced by the light opposite to them, as ours."""
+    settings = {"error": maps["noise"], "apermask_method": "correct", "kron_params": (2.5, 1.4, 0)}
+    found = SourceCatalog(pixels - maps["background"], SegmentationImage(labels), **settings)
+    columns = {ours: np.asarray(getattr(found, name).tolist() if name else [], float) for ours, name in PHOTUTILS.items()}
+    columns["x"], columns["y"] = columns["x"] + 1, columns["y"] + 1
+    columns["half_light_radius"] = np.asarray(found.fluxfrac_radius(0.5).value, float)
+    return columns
+
+
+def with_sep(pixels, labels, maps, table):
+    """Aperture sums and windowed centroids at the same places, other labels masked out of nothing."""
+    data = np.ascontiguousarray(pixels - maps["background"])
+    x, y = np.asarray(table["x"] - 1, float), np.asarray(table["y"] - 1, float)
+    mapped = np.ascontiguousarray(labels.astype(np.int32))
+    identity = np.asarray(table["label"], np.int32)
+    flux, error, _ = sep.sum_circle(data, x, y, RADIUS, err=maps["noise"], segmap=mapped, seg_id=identity, subpix=0)
+    width = np.where(np.isfinite(table["half_light_radius"]), table["half_light_radius"], 1)
+    xwin, ywin, _ = sep.winpos(data, x, y, np.asarray(width * 2 / 2.35, float))
+    return {"flux_aper_1": flux, "flux_aper_1_err": error, "xwin": xwin + 1, "ywin": ywin + 1}
+
+
+def sextractor(image, folder):
+    (folder / "peer.param").write_text("\n".join(["NUMBER", "FLAGS", *SEXTRACTOR.values()]) + "\n")
+    (folder / "peer.conv").write_text("CONV NORM\n1 2 1\n2 4 2\n1 2 1\n")
+    words = ["source-extractor", str(pathlib.Path(image).resolve()), "-c", "/dev/null", "-PARAMETERS_NAME", "peer.param"]
+    words += ["-FILTER_NAME", "peer.conv", "-CATALOG_NAME", "peer.fits", "-CATALOG_TYPE", "FITS_1.0", "-GAIN", "0"]
+    words += ["-PHOT_APERTURES", str(2 * RADIUS), "-MAG_ZEROPOINT", str(ZERO_POINT), "-VERBOSE_TYPE", "QUIET"]
+    subprocess.run(words, cwd=folder, check=True)
+    return Table.read(folder / "peer.fits")
+
+
+def show(peer, column, mine, theirs):
+    """One line: how many values, the ratio or for places the difference, its median and scatter."""
+    sound = np.isfinite(mine) & np.isfinite(theirs)
+    differs = column in ("x", "y", "xwin", "ywin", "mag_kron", "ellipticity", "background")
+    sound &= differs | (theirs != 0)
+    if not sound.any():
+        return
+    value = mine[sound] - theirs[sound] if differs else mine[sound] / theirs[sound]
+    median = np.median(value)
+    scatter = 1.4826 * np.median(np.abs(value - median))
+    what = "difference" if differs else "ratio"
+    ends = np.percentile(value, [5, 95])
+    print(f"{peer:17} {column:18} {sound.sum():6} {what:10} {median:12.6g} {scatter:11.3g} {ends[0]:11.4g} {ends[1]:11.4g}")
+
+
+def compare(program, image, folder):
+    table, labels, maps = ours(program, image, folder)
+    if not len(table):
+        print(f"{image}: no source")
+        return
+    pixels = fits.getdata(folder / "image.fits") if (folder / "image.fits").exists() else first_image(image)
+    pixels = pixels.astype(float)
+    print(f"\n{image}: {len(table)} sources")
+    print(f"{'peer':17} {'column':18} {'number':>6} {'':10} {'median':>12} {'scatter':>11} {'5 %':>11} {'95 %':>11}")
+    for peer, columns in [("photutils", photutils(pixels, labels, maps)), ("SEP", with_sep(pixels, labels, maps, table))]:
+        for name, values in columns.items():
+            if len(values) == len(table):
+                show(peer, name, np.asarray(table[name], float), values)
+    theirs = sextractor(image, folder)
+    if not len(theirs):
+        return
+    far = np.hypot(*(np.asarray(table[n])[:, None] - np.asarray(theirs[m]) for n, m in [("x", "X_IMAGE"), ("y", "Y_IMAGE")]))
+    nearest = far.argmin(axis=1)
+    matched = far[np.arange(len(table)), nearest] < MATCH
+    for name, peer in SEXTRACTOR.items():
+        values = np.asarray(theirs[peer], float)
+        values = values[nearest] if values.ndim == 1 else values[nearest, 0]
+        show("source-extractor", name, np.asarray(table[name], float)[matched], values[matched])
+
+
+def first_image(path):
+    with fits.open(path) as hdus:
+        return next(hdu.data for hdu in hdus if hdu.data is not None and hdu.data.ndim == 2)
+
+
+def main():
+    warnings.simplefilter("ignore")
+    program = pathlib.Path(sys.argv[1]).resolve()
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        images = sys.argv[2:]
+        if not images:
+            images = [folder / "pairs.fits"]
+            pairs(images[0])
+        for number, image in enumerate(images):
+            place = folder / str(number)
+            place.mkdir()
+            compare(program, image, place)
+
+
+if __name__ == "__main__":
+    main()

@@ -33,7 +33,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let config = arguments.options.config();
+    let config = arguments.options.config()?;
     let size = (arguments.width, arguments.height);
     if config.detection.is_some() {
         arguments.options.arithmetic.validate(&config)?;

@@ -15,7 +15,7 @@ pub fn run() {
             println!("    {help}");
         }
         for parameter in parameters(&preset.config()) {
-            println!("    {:16}{}", parameter.name.replace('_', "-"), parameter.value);
+            println!("    {:20}{}", parameter.name, parameter.value);
         }
     }
 }

@@ -47,8 +47,8 @@ table![
         .unit("sigma")
         .range(Range::within(0.1, 100.0))
         .help(
-            "Detection threshold: outlines lie where the smoothed image is so far above the sky, in \
-             standard deviations of a pixel's noise.",
+            "Detection threshold, in standard deviations of a pixel's noise above the sky. Outlines lie \
+             where the smoothed image reaches it.",
         ),
     choice("dx", "SFDX", &[], |c| Some(Value::of(Numbers::One(c.dx))), set_dx)
         .numbers(Numbers::One(0.0))
@@ -188,7 +188,7 @@ table![
         .help("The front is given up at this time; 1600 for chan-vese."),
     choice("band", "SFBAND", &[word("none", "")], band, set_band)
         .numbers(Numbers::One(0.0))
-        .at(Step::Front, &[BY_FRONT])
+        .at(Step::Front, &[BY_FRONT, NEAR_FRONT])
         .unit("px")
         .range(Range::within(2.0, 1e4))
         .help(
@@ -214,10 +214,7 @@ table![
         .at(Step::Separate, &[BY_THRESHOLD])
         .common()
         .range(Range::within(0.0, 1.0))
-        .help(
-            "Deblending contrast: the part of the brighter neighbour's light that a source beside it must \
-             have.",
-        ),
+        .help("Deblending contrast: least light of a source, as a part of its brighter neighbour's.",),
     real("deblend-light", "SFBRANCH", |c| Some(Real(&mut detection(c)?.branch)))
         .at(Step::Separate, &[BY_THRESHOLD])
         .unit("sigma")
@@ -287,7 +284,7 @@ const EDGE_HELD: Need =
 /// Schemes that go by time steps.
 const STEPPED: Need =
     Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese"] };
-/// Schemes in which only what is near the front tells whether it has stopped.
+/// Schemes in which only what is near the front moves and tells whether it has stopped.
 const NEAR_FRONT: Need = Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered"] };
 
 const OUTLINES: &[Word] = &[

@@ -115,7 +115,7 @@ impl Trial {
 
     fn finding(&self) -> String {
         let Score { matched, objects, segments, .. } = self.score;
-        format!("finds {matched} of the {objects} objects; {} of its {segments} sources are false", self.wrong())
+        format!("finds {matched} of the {objects} objects, and {} of its {segments} sources false", self.wrong())
     }
 
     fn json(&self) -> Value {

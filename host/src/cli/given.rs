@@ -137,7 +137,8 @@ impl FromArgMatches for Given {
 
 /// The option of a parameter.
 fn option(parameter: &'static Parameter) -> Arg {
-    let first = parameter.help.split_inclusive(['.', ':', ';']).next().unwrap_or_default();
+    let first = parameter.help.split(". ").next().unwrap_or_default().trim_end_matches('.');
+    let default = parameter.default().map(|value| format!(" [default: {value}]"));
     Arg::new(parameter.name)
         .long(parameter.name)
         .value_name(if parameter.name == START { "frame|threshold|FILE[HDU]".to_owned() } else { forms(parameter) })
@@ -145,7 +146,7 @@ fn option(parameter: &'static Parameter) -> Arg {
         .allow_negative_numbers(true)
         .help_heading(parameter.step.title())
         .hide_short_help(!parameter.common)
-        .help(first.trim_end_matches(['.', ':', ';']).to_owned())
+        .help(first.to_owned() + &default.unwrap_or_default())
         .long_help(long_help(parameter))
 }
 
@@ -240,7 +241,8 @@ mod tests {
     }
 
     /// What a line amounts to, or its error in one line.
-    fn config(line: &[&str]) -> Result<Config, String> {
+    fn config(line: &[impl AsRef<str>]) -> Result<Config, String> {
+        let line = line.iter().map(AsRef::as_ref);
         let line = Line::try_parse_from(line).map_err(|error| error.to_string())?;
         line.options.config().map_err(|error| error.to_string())
     }
@@ -249,18 +251,14 @@ mod tests {
     fn every_parameter_is_refused_where_a_choice_leaves_it_unused() {
         for parameter in PARAMETERS {
             let given = format!("--{}={}", parameter.name, parameter.default().expect("a default"));
-            for need in parameter.needs {
+            for (index, need) in parameter.needs.iter().enumerate() {
                 let choice = Parameter::named(need.name).expect("needs are parameters");
-                // At work but for this one choice.
-                let mut run = parameter.at_work(&Config::NOISE_AWARE);
                 let others = choice.words.iter().map(|word| word.name).filter(|word| !need.words.contains(word));
                 for other in others.filter(|other| *other != MAP) {
-                    choice.set(&mut run, Value::word(other)).expect("words are within bounds");
-                    let mut line = vec![given.clone(), format!("--{}={other}", need.name)];
-                    for another in parameter.needs.iter().filter(|another| *another != need) {
-                        line.push(format!("--{}={}", another.name, another.words[0]));
-                    }
-                    let line: Vec<&str> = line.iter().map(String::as_str).collect();
+                    // The needs before this one are met.
+                    let met = parameter.needs[..index].iter().filter(|met| met.name != need.name);
+                    let mut line: Vec<String> = met.map(|met| format!("--{}={}", met.name, met.words[0])).collect();
+                    line.extend([given.clone(), format!("--{}={other}", need.name)]);
                     let message = config(&line).expect_err("an option that is not used");
                     let expected = format!("--{} is not used by --{} {other}; it needs --", parameter.name, need.name);
                     assert!(message.starts_with(&expected), "{line:?}: {message}");
@@ -274,10 +272,10 @@ mod tests {
         for parameter in PARAMETERS {
             let mut line: Vec<String> =
                 parameter.needs.iter().map(|need| format!("--{}={}", need.name, need.words[0])).collect();
-            let without = config(&line.iter().map(String::as_str).collect::<Vec<_>>());
+            let without = config(&line);
             let value = parameter.default().expect("a default");
             line.push(format!("--{}={value}", parameter.name));
-            let with = config(&line.iter().map(String::as_str).collect::<Vec<_>>());
+            let with = config(&line);
             assert_eq!(with, without, "{line:?}");
             assert!(with.is_ok(), "{with:?}");
         }

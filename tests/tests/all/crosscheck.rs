@@ -32,7 +32,7 @@ fn text(output: &Output) -> String {
 #[test]
 fn all_schemes_and_arithmetics_pass_within_the_documented_tolerances() {
     let (_folder, sky) = with_sky("crosscheck");
-    let run = skyfront(["crosscheck", &sky, "--json"]);
+    let run = skyfront(["crosscheck", &sky, "--preset", "paper-f160", "--json"]);
     assert_eq!(run.status.code(), Some(0), "{}{}", text(&run), messages(&run));
     let report: Value = serde_json::from_slice(&run.stdout).expect("JSON and nothing else");
     assert_eq!(report["passed"], true);
@@ -53,7 +53,7 @@ fn all_schemes_and_arithmetics_pass_within_the_documented_tolerances() {
         );
         assert!(check["steps"]["core"].as_u64() > Some(10) && check["failures"] == serde_json::json!([]), "{check}");
     }
-    let table = text(&skyfront(["crosscheck", &sky, "--scheme", "sl"]));
+    let table = text(&skyfront(["crosscheck", &sky, "--preset", "paper-f160", "--scheme", "sl"]));
     assert!(table.starts_with("sl f32: ok\n") && table.contains("mask pixels 0,"), "{table}");
 }
 
@@ -61,7 +61,7 @@ fn all_schemes_and_arithmetics_pass_within_the_documented_tolerances() {
 fn a_tolerance_that_is_exceeded_is_exit_code_1_and_named() {
     let (_folder, sky) = with_sky("tight");
     for (option, failure) in [("--max-front", "u"), ("--max-normalised", "normalised"), ("--max-edge", "g")] {
-        let run = skyfront(["crosscheck", &sky, "--scheme", "fd", option, "1e-12"]);
+        let run = skyfront(["crosscheck", &sky, "--preset", "paper-f160", "--scheme", "fd", option, "1e-12"]);
         assert_eq!(run.status.code(), Some(1), "{}", text(&run));
         assert!(text(&run).contains(&format!("fd f32: FAILED: {failure}\n")), "{}", text(&run));
         assert!(messages(&run).contains("3 of 3 checks exceed a tolerance"), "{}", messages(&run));
@@ -72,7 +72,7 @@ fn a_tolerance_that_is_exceeded_is_exit_code_1_and_named() {
 fn vectors_are_replayed_and_a_damaged_one_is_caught() {
     let (folder, sky) = with_sky("vectors");
     let vectors = folder.file("vectors");
-    let options = ["--scheme", "sl", "--rescale", "r1", "--t-max", "0.9"];
+    let options = ["--preset", "paper-f160", "--scheme", "sl", "--rescale", "r1", "--t-max", "0.9"];
     let run = skyfront(["crosscheck", &sky, "--vectors", &vectors].iter().chain(&options));
     // Cut short, the front is where rounding decides; the vectors are written whatever the verdict.
     assert!(run.status.code().is_some_and(|code| code < 2), "{}", messages(&run));

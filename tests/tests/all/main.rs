@@ -26,6 +26,7 @@ mod reading;
 mod reference_facts;
 mod report;
 mod scores;
+mod settings;
 mod sky;
 mod snapshots;
 mod speed;

@@ -56,7 +56,7 @@ pub fn total_rows(config: &Config, height: usize) -> u64 {
 }
 
 /// What a stage does in a configuration, as a word: work for a pixel is alike where stage and word
-/// are, and `tests/resources.txt` has the instructions for each pair.
+/// are, and `host/src/cli/resources.txt` has the instructions for each pair.
 ///
 /// `-power` is an exponent that is no power of two, `-64` directions of that number, `-band` a front
 /// in a band; `-` stands for stages that always do the same.

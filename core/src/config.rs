@@ -383,6 +383,14 @@ impl Config {
         digest.value()
     }
 
+    /// The threshold of `r3` before any rule has looked at the image: the given value, else 0.
+    pub fn given_tau(&self) -> f32 {
+        match self.rescale {
+            Rescale::R3 { tau: Tau::Value(tau), .. } => tau,
+            _ => 0.0,
+        }
+    }
+
     /// `t_max` in pixels of free motion.
     pub fn farthest(&self) -> f32 {
         self.t_max / self.dx

@@ -11,17 +11,21 @@
 //! photon noise, the centres of wide regions.
 
 use crate::arithmetic::{Fixed14, Level, Real};
+use crate::centre::centre_on_light;
 use crate::deblend::{compete, reopen, straighten};
 use crate::detection::Detection;
 use crate::error::Error;
 use crate::grid::Grid;
+use crate::outline::Front;
 use crate::photon;
+use crate::signal::{self, View};
 use crate::significance::height;
-use crate::sky::{Mesh, Sky, mesh_cells};
-use crate::smooth::{Weights, noise};
-use crate::sort::{self, Keys, median};
-use crate::spike::cleaned;
+use crate::sky::{LEAST_PIXELS, Sky, Survey, Values, mesh_cells};
+use crate::smooth::Weights;
+use crate::sort::{self, Keys};
+use crate::tail::Tail;
 use crate::tree::{Field, NONE, Region, grow, root};
+use crate::typical::Typical;
 
 /// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
 #[derive(Debug)]
@@ -30,7 +34,7 @@ pub struct Workspace<'m, L: Level> {
     pub signal: &'m mut [L],
     /// W x H: lightly smoothed, then the matched image.
     pub fine: &'m mut [L],
-    /// W x H: smoothed by need.
+    /// W x H: smoothed by need, then the front, above 0 inside the outlines.
     pub smooth: &'m mut [L],
     /// W x H: 1 near sources, 0 on sky.
     pub masked: &'m mut [L],
@@ -42,7 +46,7 @@ pub struct Workspace<'m, L: Level> {
     pub order: &'m mut [u32],
     /// W x H: the labels.
     pub labels: &'m mut [u32],
-    /// [`mesh_cells`] of the frame: background and noise, in the end (see [`Mesh::over`]).
+    /// [`mesh_cells`] of the frame: background and noise, in the end (see [`Mesh::over`](crate::sky::Mesh::over)).
     pub mesh: &'m mut [Sky],
     /// As many as there may be peaks: [`regions`].
     pub regions: &'m mut [Region<L>],
@@ -77,12 +81,12 @@ pub struct Known<'a> {
 }
 
 impl Known<'_> {
-    fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
+    pub(crate) fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
         map.and_then(|map| map.get(at).copied())
     }
 
     /// Whether the maps leave the pixel defined.
-    fn allows(&self, at: usize) -> bool {
+    pub(crate) fn allows(&self, at: usize) -> bool {
         Self::value(self.background, at).is_none_or(f32::is_finite)
             && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
     }
@@ -101,23 +105,23 @@ pub struct Found {
     pub significance: f32,
     /// The photon noise of the image (see [`crate::photon`]).
     pub photon: f32,
+    /// How the values of the frame came about.
+    pub values: Values,
+    /// How much of the sky could be measured, in the last round.
+    pub survey: Survey,
 }
 
 /// Times the sky is measured anew without the sources.
 const ROUNDS: u32 = 2;
 /// Scales of the smoothing for the tree, of the mask's growth, of the sharpening, of the matched
 /// image and of what is taken from it, pixels.
-const SCALES: [f32; 5] = [0.8, 2.0, 1.5, 1.7, 2.5];
+pub(crate) const SCALES: [f32; 5] = [0.8, 2.0, 1.5, 1.7, 2.5];
 /// How much the matched image is sharpened: what lies on the halo of a bright source must stand
 /// above that, and what is narrow is brighter than smoothing lets it be.
 const MATCHED_SHARPENING: f32 = 0.6;
-/// Smoothing goes on where the change is below this, in its noise.
-const LEPSKI: f32 = 1.7;
 /// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
 /// for without them the sky would be biased low.
 const MASKED_PEAK: f32 = 3.5;
-/// A source is wide when so many of its pixels are above half its peak: a disc of eight pixels.
-const WIDE: u32 = 50;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
 const CUTS: u32 = 4;
 
@@ -126,7 +130,8 @@ const CUTS: u32 = 4;
 /// # Errors
 /// [`Error::Parameter`] of the setting, [`Error::Size`], [`Error::Length`] for memory or maps of
 /// another size, [`Error::Arithmetic`] for a side longer than [`Level::LONGEST`],
-/// [`Error::NothingDefined`], or [`Error::Constant`] where there is no noise.
+/// [`Error::NothingDefined`], or [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
+/// of its sky or of its noise.
 pub fn detect<L: Level>(
     pixels: &[f32],
     width: usize,
@@ -137,33 +142,59 @@ pub fn detect<L: Level>(
     let count = pixels.len();
     setting.validate()?;
     let grid = check(count, width, known, work)?;
-    let Some(&first) = pixels.iter().find(|pixel| pixel.is_finite()) else {
+    let view = View::of(pixels, grid, known, Keys(work.parents, work.order));
+    if view.values.defined == 0 {
         return Err(Error::NothingDefined { pixels: count });
-    };
+    }
     work.masked.fill(L::ZERO);
-    let mut fine_noise = L::ONE;
+    signal::mask_undefined(&view, work.masked);
+    work.mesh.fill(Sky::UNKNOWN);
+    let mut fine = Tail { noise: L::ONE, skewness: 0.0 };
+    let mut survey = Survey::default();
     for round in 0..=ROUNDS {
-        if !measure_signal(pixels, grid, known, work) {
-            return Err(Error::Constant { value: first });
-        }
-        fine_noise = smooth(grid, work);
+        survey = signal::measure(&view, work).ok_or_else(|| no_noise(&view, work))?;
+        fine = signal::smooth(&view, work);
         if round < ROUNDS {
-            mask_sources(grid, L::of(setting.outline), fine_noise.scaled(L::Weight::of(MASKED_PEAK)), work);
+            signal::mask_sources(&view, L::of(setting.outline), fine.height(MASKED_PEAK), work);
         }
     }
     let field = Field { values: work.signal, grid };
     let photon = photon::slope(field, work.fine, work.masked, Keys(work.parents, work.order));
-    let unlabelled = separate((pixels, known), grid, (fine_noise, photon), setting, work);
-    let (significance, least) = cut(grid, setting, work);
+    let front = Front {
+        threshold: L::of(setting.outline),
+        curvature: L::Weight::of(setting.curvature),
+        steps: setting.front_steps,
+    };
+    front.outline(work.fine, work.smooth, work.scratch, grid);
+    let unlabelled = separate(&view, (fine.noise, photon), setting, work);
+    drop_undefined(&view, work.labels);
+    let (significance, least) = cut(&view, setting, work);
     let (sources, mask_pixels) = keep(setting, least, work);
-    Ok(Found { sources, mask_pixels, unlabelled, significance, photon })
+    Ok(Found { sources, mask_pixels, unlabelled, significance, photon, values: view.values, survey })
+}
+
+/// Why there is nothing to divide the signal by.
+fn no_noise<L: Level>(view: &View<'_>, work: &Workspace<'_, L>) -> Error {
+    let Values { defined, commonest, .. } = view.values;
+    if work.mesh.first().is_none_or(|sky| sky.level.is_nan()) {
+        return Error::NoSky { defined, needed: LEAST_PIXELS };
+    }
+    let equal = (0..).zip(view.pixels).filter(|&(at, &pixel)| pixel == commonest && view.is_defined(at)).count();
+    Error::NoNoise { value: commonest, equal: equal as u32, defined }
+}
+
+/// An undefined pixel between two of a source carries its light across, but is in no source.
+fn drop_undefined(view: &View<'_>, labels: &mut [u32]) {
+    for (_, label) in labels.iter_mut().enumerate().filter(|(at, _)| !view.is_defined(*at)) {
+        *label = 0;
+    }
 }
 
 fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Workspace<'_, L>) -> Result<Grid, Error> {
     let whole = |grid: &Grid| grid.height > 0 && grid.cells() == count && count <= 1 << 30;
     let Some(grid) = Grid::of(count, width).filter(whole) else {
         let height = count.checked_div(width).unwrap_or(0);
-        return Err(Error::Size { width, height, least: 1, most_pixels: 1 << 30 });
+        return Err(Error::Size { width, height, least: 1, most_columns: 1 << 30, most_pixels: 1 << 30 });
     };
     if width > L::LONGEST || grid.height > L::LONGEST {
         let reason = "the places of its pixels have 16 bits: no side may be longer than 65536 pixels";
@@ -182,112 +213,20 @@ fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Wor
     }
 }
 
-/// Signal-to-noise of every pixel, spikes replaced; undefined pixels have none. Says whether there
-/// is any noise.
-fn measure_signal<L: Level>(pixels: &[f32], grid: Grid, known: &Known<'_>, work: &mut Workspace<'_, L>) -> bool {
-    let (width, height) = (grid.width.get(), grid.height);
-    let mut keys = Keys(work.parents, work.order);
-    let masked = &*work.masked;
-    let sky = |at: usize| masked.get(at).is_none_or(|&mask| mask <= L::ZERO);
-    let mesh = Mesh::measure(pixels, sky, (width, height), work.mesh, keys.again());
-    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
-    let mut factor = 1.0;
-    if known.relative {
-        let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(ratio, pixels.len(), keys);
-    }
-    let mut noise_seen = false;
-    for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
-        let sky = sky_at(at);
-        let level = Known::value(known.background, at).unwrap_or(sky.level);
-        let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
-        let signal = (pixel - level) / noise;
-        let usable = known.allows(at) && noise > 0.0 && signal.is_finite();
-        noise_seen |= usable;
-        *out = if usable { L::of(signal) } else { L::ZERO };
-    }
-    let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
-    for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
-        let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
-        for (x, out) in out.iter_mut().enumerate() {
-            *out = cleaned(rows, x);
-        }
-    }
-    noise_seen
-}
-
-/// The median of the positive values of a sample; 1 where there are none.
-fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
-    let positive = |value: &f32| value.is_finite() && *value > 0.0;
-    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
-    if sorted.is_empty() { 1.0 } else { median(sorted) }
-}
-
-/// Fills the fine and the smooth plane; gives the noise of the fine one.
-fn smooth<L: Level>(grid: Grid, work: &mut Workspace<'_, L>) -> L {
-    let [scale, ..] = SCALES;
-    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
-    let fine = &*work.fine;
-    let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
-    let fine_noise = noise(|at| value(fine, at), work.masked, Keys(work.parents, work.order));
-    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
-    let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let least = noise(detail, work.masked, Keys(work.parents, work.order)).scaled(L::Weight::of(LEPSKI));
-    for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
-        if (fine - *smooth).magnitude() >= least {
-            *smooth = fine;
-        }
-    }
-    fine_noise
-}
-
-/// Masks the sources that have a pixel above `peak` in the fine plane, and what is within about
-/// three pixels of them.
-fn mask_sources<L: Level>(grid: Grid, outline: L, peak: L, work: &mut Workspace<'_, L>) {
-    let (source, perhaps) = (L::ONE, L::of(0.5));
-    for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
-        *fine = match (smooth > outline, *fine > peak) {
-            (true, true) => source,
-            (true, false) => perhaps,
-            _ => L::ZERO,
-        };
-    }
-    // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
-    let marks = &mut *work.fine;
-    for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
-        let marked = |at: usize| marks.get(at).is_some_and(|&mark| mark == source);
-        if marks.get(index).is_some_and(|&mark| mark == perhaps)
-            && grid.neighbours(index).any(marked)
-            && let Some(mark) = marks.get_mut(index)
-        {
-            *mark = source;
-        }
-    }
-    for mark in marks.iter_mut().filter(|mark| **mark < source) {
-        *mark = L::ZERO;
-    }
-    let [_, growth, ..] = SCALES;
-    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
-    let near = L::of(0.08);
-    for cell in work.masked.iter_mut() {
-        *cell = if *cell > near { L::ONE } else { L::ZERO };
-    }
-}
-
 /// The tree, and the sources of its regions; gives the number of peaks without a region.
 fn separate<L: Level>(
-    (pixels, known): (&[f32], &Known<'_>),
-    grid: Grid,
+    view: &View<'_>,
     (noise, photon): (L, f32),
     setting: &Detection,
     work: &mut Workspace<'_, L>,
 ) -> u32 {
     let [_, _, sharpness, ..] = SCALES;
+    let grid = view.grid;
     Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
     let field = Field { values: work.fine, grid };
-    let (outline, mut used) = (L::of(setting.outline), 0);
-    for (at, (&smooth, pixel)) in (0u32..).zip(work.smooth.iter().zip(pixels)) {
-        let inside = smooth > outline && pixel.is_finite() && known.allows(at as usize);
+    let mut used = 0;
+    for (at, &front) in (0u32..).zip(work.smooth.iter()) {
+        let inside = front > L::ZERO && view.has_signal(at as usize);
         if let (true, Some(place)) = (inside, work.order.get_mut(used)) {
             *place = at;
             used += 1;
@@ -308,7 +247,7 @@ fn separate<L: Level>(
             *cell = root;
         }
     }
-    for at in 0..pixels.len() {
+    for at in 0..grid.cells() {
         let root = work.parents.get(at).copied().unwrap_or(NONE);
         let id = work.labels.get(root as usize).copied().unwrap_or(NONE);
         if let Some(place) = work.order.get_mut(at) {
@@ -317,9 +256,13 @@ fn separate<L: Level>(
         }
     }
     work.labels.iter_mut().zip(work.order.iter()).for_each(|(label, id)| *label = *id);
-    centre_on_light(field, work.labels, work.regions);
+    let light = Field { values: work.smooth, grid };
+    centre_on_light(light, work.labels, work.regions, (noise, photon));
+    let regions = work.regions.get(..count).unwrap_or(&[]);
+    let typical = Typical::of(field, noise, regions, (work.parents, work.order));
     for _ in 0..2 {
-        let (now, more) = reopen(field, (noise, photon), work.labels, work.order, work.regions, count, setting);
+        let (now, more) =
+            reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
         (count, left_out) = (now, left_out + more);
     }
     compete(field, work.labels, work.regions, 4);
@@ -327,53 +270,23 @@ fn separate<L: Level>(
     left_out
 }
 
-/// Centres wide regions on their pixels above half the peak: in a flat source the brightest pixel
-/// is where the noise puts it. In a narrow one it is not, and neighbours would draw the centre away.
-fn centre_on_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>]) {
-    let half = L::Weight::of(0.5);
-    let place = |at: usize| {
-        let (x, y) = field.grid.place(at);
-        (x as f32, y as f32)
-    };
-    let region = |label: u32| (label as usize).wrapping_sub(1);
-    for region in regions.iter_mut() {
-        (region.area, region.core) = (0, (0.0, 0.0, 0.0));
-    }
-    for (at, &label) in labels.iter().enumerate() {
-        let Some(region) = regions.get_mut(region(label)) else { continue };
-        if field.at(at) > region.value.scaled(half) {
-            let value = field.at(at).to_f32();
-            let ((x, y), (peak_x, peak_y)) = (place(at), place(region.peak as usize));
-            let (sum, sum_x, sum_y) = region.core;
-            region.area += 1;
-            region.core = (sum + value, sum_x + value * (x - peak_x), sum_y + value * (y - peak_y));
-        }
-    }
-    for region in regions.iter_mut() {
-        let (sum, sum_x, sum_y) = region.core;
-        if region.area > WIDE && sum > 0.0 {
-            let (x, y) = place(region.peak as usize);
-            region.centre = (L::of(x + sum_x / sum), L::of(y + sum_y / sum));
-        }
-    }
-}
-
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.
-fn cut<L: Level>(grid: Grid, setting: &Detection, work: &mut Workspace<'_, L>) -> (f32, L) {
-    let [.., scale, wide] = SCALES;
+fn cut<L: Level>(view: &View<'_>, setting: &Detection, work: &mut Workspace<'_, L>) -> (f32, L) {
+    let ([.., scale, wide], grid, piled) = (SCALES, view.grid, view.values.piled);
     Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
     Weights::gauss(wide).sharpen(work.fine, work.scratch, grid, MATCHED_SHARPENING);
     let matched = |at: usize| work.fine.get(at).copied().unwrap_or(L::ZERO);
-    let matched_noise = noise(matched, work.masked, Keys(work.parents, work.order)).to_f32();
+    let tail = Tail::measure(matched, work.masked, piled, Keys(work.parents, work.order));
+    let matched_noise = tail.noise.to_f32();
     let step = |at: usize| matched(at + 1) - matched(at);
-    let slope = noise(step, work.masked, Keys(work.parents, work.order)).to_f32();
+    let slope = Tail::measure(step, work.masked, piled, Keys(work.parents, work.order)).noise.to_f32();
     let roughness = if matched_noise > 0.0 { slope / matched_noise } else { 0.0 };
     let elements = work.signal.len() as f32 * roughness * roughness;
     sum_up(work);
     let floor = setting.peak * setting.outline;
     let (mut allowed, mut result) = (setting.false_sources, (0.0, L::of(floor)));
     for _ in 0..CUTS {
-        let significance = height(elements, allowed);
+        let significance = tail.raised(height(elements, allowed));
         let least = significance * matched_noise;
         let least = L::of(if least > floor { least } else { floor });
         result = (significance, least);

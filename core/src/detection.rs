@@ -11,6 +11,11 @@ use crate::tree::{Field, Region};
 pub struct Detection {
     /// The outline: where the smoothed image has this many noise units. 0.1 to 100.
     pub outline: f32,
+    /// Steps of the front that starts at the outline; 0 leaves it there. 0 to 1000.
+    pub front_steps: u32,
+    /// Weight of the front's curvature, in pixels times noise units: how smooth the outlines are.
+    /// 0 to 1.
+    pub curvature: f32,
     /// A source's peak in the matched image, as a multiple of the outline: what is hardly above it
     /// there has hardly a pixel inside. 0 to 100.
     pub peak: f32,
@@ -40,6 +45,10 @@ pub struct Detection {
 /// The photon noise counts with this factor in the variance: the measured one is a lower bound.
 const PHOTON_MARGIN: f32 = 1.5;
 
+/// How far a peak must rise above the saddle, as a part of the saddle's light: the image of a point
+/// in real optics is that uneven, as the ring of a mirror out of focus and the rim of a saturated star.
+const DEPTH: f32 = 0.15;
+
 /// How much larger the noise is at the brightness `value` for the photon noise `photon` (see
 /// [`crate::photon`]).
 pub fn grown<L: Level>(photon: f32, value: L) -> L {
@@ -50,6 +59,8 @@ impl Detection {
     /// The default for every kind of sky.
     pub const DEFAULT: Detection = Detection {
         outline: 1.0,
+        front_steps: 5,
+        curvature: 0.6,
         peak: 1.42,
         false_sources: 0.5,
         false_share: 0.05,
@@ -78,7 +89,8 @@ impl Detection {
     }
 
     /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
-    /// pixels and light above the saddle for the noise there, and around its peak more than twice
+    /// pixels and light above the saddle for the noise there, a peak that rises above it by more than
+    /// the noise and the unevenness of optics, and around its peak more than twice
     /// the mirrored light of the brighter.
     pub fn stands_apart<L: Level>(
         &self,
@@ -92,7 +104,7 @@ impl Detection {
         let significant = faint.area >= 3
             && light > L::share(noise.times(1), self.branch)
             && light > L::share(bright.sum, self.contrast)
-            && faint.value - saddle > noise;
+            && faint.value - saddle > noise.greatest(saddle.scaled(L::Weight::of(DEPTH)));
         if !significant {
             return false;
         }

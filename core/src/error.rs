@@ -24,6 +24,8 @@ pub enum Error<E = core::convert::Infallible> {
         height: usize,
         /// The least number of columns, and of rows, that this configuration can work with.
         least: usize,
+        /// The greatest number of columns.
+        most_columns: usize,
         /// The greatest number of pixels this arithmetic can label.
         most_pixels: usize,
     },
@@ -46,6 +48,22 @@ pub enum Error<E = core::convert::Infallible> {
         /// The value they share.
         value: f32,
     },
+    /// No cell of the frame has enough defined pixels for its sky to be measured.
+    NoSky {
+        /// How many pixels are defined.
+        defined: u32,
+        /// How many one cell must have at least.
+        needed: usize,
+    },
+    /// The values show no noise, and none was given: significance is undefined.
+    NoNoise {
+        /// The commonest value.
+        value: f32,
+        /// How many defined pixels have it.
+        equal: u32,
+        /// How many pixels are defined.
+        defined: u32,
+    },
     /// The chosen arithmetic cannot serve this scheme or option.
     Arithmetic {
         /// The arithmetic.
@@ -67,10 +85,14 @@ impl<E> Error<E> {
     pub fn map_frame<F>(self, frame: impl FnOnce(E) -> F) -> Error<F> {
         match self {
             Error::Parameter { name, value, bound, limit } => Error::Parameter { name, value, bound, limit },
-            Error::Size { width, height, least, most_pixels } => Error::Size { width, height, least, most_pixels },
+            Error::Size { width, height, least, most_columns, most_pixels } => {
+                Error::Size { width, height, least, most_columns, most_pixels }
+            }
             Error::Length { name, given, needed } => Error::Length { name, given, needed },
             Error::NothingDefined { pixels } => Error::NothingDefined { pixels },
             Error::Constant { value } => Error::Constant { value },
+            Error::NoSky { defined, needed } => Error::NoSky { defined, needed },
+            Error::NoNoise { value, equal, defined } => Error::NoNoise { value, equal, defined },
             Error::Arithmetic { name, reason } => Error::Arithmetic { name, reason },
             Error::Corrupted { name } => Error::Corrupted { name },
             Error::Frame(error) => Error::Frame(frame(error)),
@@ -84,9 +106,10 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
             Error::Parameter { name, value, bound, limit } => {
                 write!(f, "{name} is {value}; must be {bound} {limit}")
             }
-            Error::Size { width, height, least, most_pixels } => write!(
+            Error::Size { width, height, least, most_columns, most_pixels } => write!(
                 f,
-                "the image is {width} x {height} pixels, but must be at least {least} x {least} and at most {most_pixels} pixels"
+                "the image is {width} x {height} pixels, but must be at least {least} x {least}, and have at most \
+                 {most_columns} columns and {most_pixels} pixels"
             ),
             Error::Length { name, given, needed } => {
                 write!(f, "the memory for {name} has {given} elements, but needs {needed}")
@@ -96,6 +119,13 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
             }
             Error::Constant { value } => {
                 write!(f, "all pixels in the range to normalise equal {value}: nothing stands out")
+            }
+            Error::NoSky { defined, needed } => write!(
+                f,
+                "no part of the frame has {needed} defined pixels to measure its sky on; {defined} are defined in all"
+            ),
+            Error::NoNoise { value, equal, defined } => {
+                write!(f, "{equal} of {defined} defined pixels equal {value}: there is no noise to measure")
             }
             Error::Arithmetic { name, reason } => write!(f, "arithmetic {name}: {reason}"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),

@@ -6,6 +6,8 @@ use crate::settle::FLOOR;
 
 /// The least width and height: `u0` begins two pixels inside the frame and needs one inside that.
 pub const LEAST_SIDE: usize = 5;
+/// The most columns of a frame.
+pub const MOST_COLUMNS: usize = 1 << 20;
 
 /// The centred `u0` of spec section 2, in the front's unit.
 ///

@@ -26,6 +26,7 @@ mod beside;
 pub mod budget;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod catalog;
+mod centre;
 #[deny(clippy::arithmetic_side_effects)]
 mod codec;
 pub mod config;
@@ -54,6 +55,7 @@ pub mod normalize;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod otsu;
 pub mod outcome;
+pub mod outline;
 pub mod photon;
 pub mod region;
 pub mod rescale;
@@ -64,6 +66,7 @@ pub mod segmenter;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod select;
 pub mod settle;
+mod signal;
 pub mod significance;
 pub mod simulate;
 pub mod sky;
@@ -79,6 +82,8 @@ mod state;
 pub mod stop;
 pub mod sum;
 pub mod sweep;
+pub mod tail;
 pub mod tiles;
 pub mod tree;
+mod typical;
 pub mod vectors;

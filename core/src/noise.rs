@@ -128,7 +128,7 @@ fn within(value: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     extern crate std;
@@ -147,7 +147,7 @@ mod tests {
     }
 
     /// `count` values at the quantiles of a normal distribution: no sample is more typical.
-    fn normal(count: usize, level: f32, noise: f32) -> Vec<f32> {
+    pub(crate) fn normal(count: usize, level: f32, noise: f32) -> Vec<f32> {
         let quantile = |p: f64| {
             // Bisection on the distribution function, half of erfc.
             let (mut low, mut high) = (-8.0f64, 8.0f64);

@@ -10,7 +10,7 @@ use crate::config::Config;
 use crate::edge::EdgeDetector;
 use crate::error::Error;
 use crate::frame::Frame;
-use crate::front::{Front, LEAST_SIDE};
+use crate::front::{Front, LEAST_SIDE, MOST_COLUMNS};
 use crate::memory::{Memory, flags_len};
 use crate::outcome::{Outcome, Progress};
 use crate::region::Regions;
@@ -76,8 +76,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         config.validate::<A>()?;
         let most_pixels = (A::Cell::MAX_LABEL as usize).saturating_mul(64);
         let pixels = width.saturating_mul(height);
-        if width < LEAST_SIDE || height < LEAST_SIDE || width > 1 << 20 || pixels > most_pixels {
-            return Err(Error::Size { width, height, least: LEAST_SIDE, most_pixels });
+        if width < LEAST_SIDE || height < LEAST_SIDE || width > MOST_COLUMNS || pixels > most_pixels {
+            return Err(Error::Size { width, height, least: LEAST_SIDE, most_columns: MOST_COLUMNS, most_pixels });
         }
         let front = Front::new(config, width, height);
         let scheme = S::new(given, front.unit).map_err(|_| Error::Arithmetic {

@@ -1,9 +1,7 @@
-//! Smoothing of a whole plane by a separable kernel, mirrored at the borders, and the noise
-//! that is left in it.
+//! Smoothing of a whole plane by a separable kernel, mirrored at the borders.
 
 use crate::arithmetic::{Level, Real};
 use crate::grid::Grid;
-use crate::sort::{Keys, median, ranked};
 
 /// The most weights of a kernel on one side of its centre.
 pub const RADIUS: usize = 12;
@@ -105,18 +103,4 @@ fn mirrored(at: usize, distance: usize, length: usize) -> [usize; 2] {
     let below = if at >= distance { at - distance } else { distance - at - 1 };
     let above = if at + distance < length { at + distance } else { (2 * length).saturating_sub(1 + at + distance) };
     [below.min(length.saturating_sub(1)), above]
-}
-
-/// Standard deviation of the noise of `value(at)` for the pixels that `masked` has as not above 0,
-/// from the lower half of the values: sources are positive. Of large planes a sample
-/// gives it.
-pub fn noise<L: Level>(value: impl Fn(usize) -> L, masked: &[L], mut keys: Keys<'_>) -> L {
-    let places = masked.iter().enumerate().step_by(keys.stride(masked.len()));
-    let sorted = keys.sorted(places.filter(|(_, mask)| **mask <= L::ZERO).map(|(at, _)| value(at)));
-    if sorted.len() < 16 {
-        return L::ONE;
-    }
-    // The middle of the lower half's distances from the median.
-    let half = sorted.len() / 2;
-    (median::<L>(sorted) - ranked(sorted, half - 1 - half / 2)).scaled(L::Weight::of(1.4826))
 }

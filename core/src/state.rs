@@ -53,7 +53,7 @@ impl<A: Arithmetic> State<A> {
             noise: Estimate::NONE,
             range: Range { low: 0.0, high: 1.0 },
             fill: 0.0,
-            tau: 0.0,
+            tau: config.given_tau(),
             gradient: GradientRange::none(),
             march: March::new(config.farthest()),
             marching: true,

@@ -22,9 +22,10 @@ pub struct Region<L: Level> {
     pub sum: L::Sum,
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
-    /// Of its pixels above half its peak: the sum of the values, and of the values times the
-    /// distances from the peak along x and y.
-    pub core: (f32, f32, f32),
+    /// The sums of the distances of its pixels above half its peak from the peak along x and y.
+    pub offsets: (i32, i32),
+    /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
+    pub plateau: u32,
     /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
     pub divided: u32,
     /// The label it ends with.
@@ -39,7 +40,8 @@ impl<L: Level> Region<L> {
         area: 0,
         sum: L::NOTHING,
         centre: (L::ZERO, L::ZERO),
-        core: (0.0, 0.0, 0.0),
+        offsets: (0, 0),
+        plateau: 0,
         divided: 0,
         label: 0,
     };

@@ -3,6 +3,7 @@
 use crate::background::SkyMaps;
 use crate::nothing::without_front;
 use crate::pipeline::{Drive, Segmentation, StagePlanes};
+use crate::remarks;
 use skyfront_core::arithmetic::Level;
 use skyfront_core::catalog::Source;
 use skyfront_core::detect::{Known, Workspace, detect, regions};
@@ -10,7 +11,7 @@ use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_core::normalize::Extremes;
 use skyfront_core::outcome::Outcome;
-use skyfront_core::sky::{Sky, mesh_cells};
+use skyfront_core::sky::{Mesh, Sky, mesh_cells};
 use skyfront_core::stage::Stage;
 use skyfront_core::tree::Region;
 use std::time::Instant;
@@ -22,7 +23,7 @@ pub fn memory(width: usize, height: usize) -> [(usize, &'static str); 4] {
         (2 * plane, "the image, and the level that is kept of it"),
         (8 * plane, "eight planes to work in"),
         (regions(width, height) * size_of::<Region<f32>>(), "table of regions"),
-        (2 * mesh_cells(width, height) * size_of::<Sky>(), "mesh of the sky"),
+        (mesh_cells(width, height) * size_of::<Sky>(), "mesh of the sky"),
     ]
 }
 
@@ -69,13 +70,23 @@ pub fn segment<L: Level>(
         mesh: &mut mesh,
         regions: &mut table,
     };
-    // A noise map may be a weight map: it says how noisy pixels are beside each other.
-    let known = Known { background: drive.background, noise: drive.noise, relative: true };
+    let known = Known { background: drive.background, noise: drive.noise, relative: drive.relative };
     let found = detect(pixels, width, &known, detection, &mut work)?;
     let [smooth, masked] = [smooth, masked].map(in_f32);
-    let sky = SkyMaps::measure_into(pixels, &masked, width, [fine, scratch].map(in_f32));
+    let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
+    let mut sky = SkyMaps::of(&Mesh::over(&mut mesh, (width, height)), width, [fine, scratch].map(in_f32));
+    // Nothing is measured in what was never observed.
+    sky.noise
+        .iter_mut()
+        .zip(pixels)
+        .filter(|(_, pixel)| **pixel == found.values.fill)
+        .for_each(|(noise, _)| *noise = f32::NAN);
     let mut extremes = Extremes::NONE;
-    pixels.chunks_exact(width).for_each(|row| extremes.observe(row));
+    let mut row = vec![0.0; width];
+    for pixels in pixels.chunks_exact(width) {
+        row.iter_mut().zip(pixels).for_each(|(out, &pixel)| *out = observed(pixel));
+        extremes.observe(&row);
+    }
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
     for (at, (&label, &pixel)) in labels.iter().zip(pixels).enumerate() {
         if let Some(source) = (label as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
@@ -106,7 +117,7 @@ pub fn segment<L: Level>(
         width,
         height,
         labels,
-        front: smooth.iter().map(|value| value - detection.outline).collect(),
+        front: smooth.clone(),
         stages,
         convergence: Vec::new(),
         sources,
@@ -114,7 +125,7 @@ pub fn segment<L: Level>(
         outcome,
         sky: Some(sky),
         seconds: vec![(Stage::Measure, started.elapsed())],
-        remark: None,
+        remarks: remarks::on(&found, count),
     })
 }
 

@@ -21,6 +21,7 @@ pub mod planes;
 pub mod provenance;
 pub mod read;
 pub mod reference;
+pub mod remarks;
 pub mod report;
 pub mod reproduce;
 pub mod score;

@@ -5,6 +5,7 @@
 
 use crate::pipeline::{Drive, Segmentation, StagePlanes};
 use crate::read::Image;
+use crate::remarks::share;
 use skyfront_core::error::Error;
 use skyfront_core::normalize::{Extremes, Range};
 use skyfront_core::outcome::{Outcome, StopReason};
@@ -25,6 +26,19 @@ pub fn found(
         Error::Size { least, .. } if width < least || height < least => {
             format!("{width} x {height} pixels are too few: sources need at least {least} x {least}")
         }
+        Error::NoNoise { value, equal, defined } if equal == defined => {
+            format!("all {defined} defined pixels equal {value}: nothing stands out")
+        }
+        Error::NoNoise { value, equal, defined } => format!(
+            "{} of the {defined} defined pixels equal {value}, and the rest shows no noise that sources could stand \
+             out of; --weight N --weight-type rms gives it",
+            share(equal as usize, defined as usize)
+        ),
+        Error::NoSky { defined, needed } => format!(
+            "{} of the pixels are defined, and in no cell of the sky as many as {needed}: sky and noise cannot be \
+             measured; --background N and --weight N --weight-type rms give them",
+            share(defined as usize, width * height)
+        ),
         Error::NothingDefined { .. } => "no pixel is defined: nothing can be found".to_owned(),
         real => return Err(real),
     };
@@ -55,7 +69,7 @@ pub fn found(
         outcome: without_front(extremes),
         sky: None,
         seconds: Vec::new(),
-        remark: Some(remark),
+        remarks: vec![remark],
     })
 }
 

@@ -12,6 +12,7 @@ use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError, wcs};
 use serde_json::json;
 use skyfront_core::config::Config;
+use skyfront_core::outcome::Outcome;
 use std::time::Instant;
 
 /// Names of the data products that every run has beside the catalogue, in the order of writing.
@@ -96,7 +97,8 @@ pub fn write(
     write_outlines(products, config, run, request, &catalogue)?;
     done(&mut parts, "write catalogue");
     let mut summary = summary(config, input, run, &parts);
-    let warnings: Vec<String> = run.remark.iter().cloned().chain(catalogue.warnings()).collect();
+    let warnings: Vec<String> =
+        run.remarks.iter().cloned().chain(catalogue.warnings()).chain(limits(&run.outcome)).collect();
     summary["measuring"] = catalogue.settings();
     summary["result_warnings"] = json!(warnings);
     products.write("summary.json", |out| writeln!(out, "{summary:#}"))?;
@@ -111,6 +113,18 @@ pub fn write(
         done(&mut parts, "pictures");
     }
     Ok(Written { summary, warnings, parts })
+}
+
+/// The limits that a run has reached.
+fn limits(outcome: &Outcome) -> Vec<String> {
+    let mut lines = Vec::new();
+    if outcome.catalogued < outcome.sources {
+        lines.push(format!("the catalogue has room for {} sources only", outcome.catalogued));
+    }
+    if outcome.unlabelled > 0 {
+        lines.push(format!("{} pixels of sources found no free label", outcome.unlabelled));
+    }
+    lines
 }
 
 /// The outlines of the sources, in the files that are wanted.

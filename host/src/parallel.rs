@@ -12,7 +12,7 @@ use skyfront_core::stop::Change;
 use skyfront_core::sweep::{Band, Halo, ring_len, row_stride};
 use skyfront_core::tiles::{COLUMNS, Tiles};
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What a band shows its neighbours: rows with repeated columns on both sides, and tile flags.
@@ -38,8 +38,13 @@ struct Shared<A: Arithmetic> {
 
 /// Moves the front until it stops; `watch` hears of every step and its change. Gives the number
 /// of steps and the last change, for [`skyfront_core::segmenter::Segmenter::finish_evolution`].
+///
+/// Where the system does not give so many threads, fewer move the front.
+///
+/// # Panics
+/// Where `watch` does; then all bands stop.
 pub fn evolve<A, S>(
-    evolution: Evolution<'_, A, S>,
+    mut evolution: Evolution<'_, A, S>,
     threads: usize,
     watch: &mut dyn FnMut(u32, &Change<A>),
 ) -> (u32, Change<A>)
@@ -47,7 +52,30 @@ where
     A: Arithmetic,
     S: Evolve<A> + Sync,
 {
-    let Evolution { front, speed, width, tile_rows, scheme, rule, settle, regions, max_steps } = evolution;
+    let mut wanted = threads;
+    loop {
+        match in_bands(&mut evolution, wanted, watch) {
+            Ok(moved) => return moved,
+            // Not all of them: what the last ones took may be what else the run needs.
+            Err(TooFew(given)) => wanted = given / 2,
+        }
+    }
+}
+
+/// The system gave threads for so many bands only, and nothing has moved.
+struct TooFew(usize);
+
+/// Moves the front in at most so many bands, one at least.
+fn in_bands<A, S>(
+    evolution: &mut Evolution<'_, A, S>,
+    threads: usize,
+    watch: &mut dyn FnMut(u32, &Change<A>),
+) -> Result<(u32, Change<A>), TooFew>
+where
+    A: Arithmetic,
+    S: Evolve<A> + Sync,
+{
+    let &mut Evolution { ref mut front, speed, width, tile_rows, scheme, rule, settle, regions, max_steps } = evolution;
     let rows = front.len() / width;
     // At least two rows of tiles each: a neighbour's border must not reach through a band.
     let bands = threads.clamp(1, (rows / (2 * tile_rows)).max(1));
@@ -58,6 +86,7 @@ where
     let set = || fronts.iter().map(|_| Mutex::new(nothing.clone())).collect::<Vec<_>>();
     let shared = Shared { shown: [set(), set()], barrier: Barrier::new(fronts.len()) };
     let work = |index: usize, front: &mut [A::Cell], watch: &mut dyn FnMut(u32, &Change<A>)| {
+        let _breaker = Breaker(&shared.barrier);
         let height = front.len() / width;
         let speed = beside(speed, index * band_rows * width..index * band_rows * width + front.len(), width);
         let window = scheme.window();
@@ -69,7 +98,7 @@ where
         for steps in 0.. {
             let shown = &shared.shown[steps as usize % 2];
             show(&mut lock(&shown[index]), front, &tiles, (width, window / 2), step.change);
-            shared.barrier.wait();
+            shared.barrier.wait().ok()?;
             let change = shown.iter().fold(none.change, |mut sum, shown| {
                 sum.merge(&lock(shown).change);
                 sum
@@ -77,7 +106,7 @@ where
             if steps > 0 {
                 watch(steps, &change);
                 if rule.at_rest(&change) || steps == max_steps {
-                    return (steps, change);
+                    return Some((steps, change));
                 }
             }
             let before = index.checked_sub(1).map(|band| lock(&shown[band]).last.clone()).unwrap_or_default();
@@ -93,16 +122,20 @@ where
             let mut band = Band { plane: &mut *front, aux: speed, ring: &mut ring, width, halo };
             scheme.advance(&mut band, &mut tiles, 0..height, &mut step);
         }
-        (0, none.change)
+        None
     };
     std::thread::scope(|scope| {
         let mut bands = fronts.into_iter().enumerate();
-        let first = bands.next();
-        let work = &work;
+        let (own, work) = (bands.next(), &work);
         for (index, front) in bands {
-            scope.spawn(move || work(index, front, &mut |_, _| {}));
+            let helper = move || work(index, front, &mut |_, _| {});
+            if std::thread::Builder::new().spawn_scoped(scope, helper).is_err() {
+                shared.barrier.shatter();
+                return Err(TooFew(index));
+            }
         }
-        first.map_or((0, none.change), |(index, front)| work(index, front, watch))
+        // A barrier that breaks later ends in a panic of this scope.
+        Ok(own.and_then(|(index, front)| work(index, front, watch)).unwrap_or((0, none.change)))
     })
 }
 
@@ -160,27 +193,74 @@ struct Barrier {
     threads: usize,
     arrived: AtomicUsize,
     generation: AtomicUsize,
+    broken: AtomicBool,
 }
+
+/// Not all threads will come to the barrier.
+struct Broken;
 
 /// Looks at the counter before the processor is given away: about ten microseconds.
 const SPINS: u32 = 4000;
 
 impl Barrier {
     fn new(threads: usize) -> Self {
-        Barrier { threads, arrived: AtomicUsize::new(0), generation: AtomicUsize::new(0) }
+        let zero = || AtomicUsize::new(0);
+        Barrier { threads, arrived: zero(), generation: zero(), broken: AtomicBool::new(false) }
     }
 
-    fn wait(&self) {
+    fn wait(&self) -> Result<(), Broken> {
         let generation = self.generation.load(Ordering::Acquire);
         if self.arrived.fetch_add(1, Ordering::AcqRel) + 1 == self.threads {
             self.arrived.store(0, Ordering::Relaxed);
             self.generation.store(generation.wrapping_add(1), Ordering::Release);
-            return;
+            return Ok(());
         }
         let mut spins = 0;
         while self.generation.load(Ordering::Acquire) == generation {
+            if self.broken.load(Ordering::Relaxed) {
+                return Err(Broken);
+            }
             spins += 1;
             if spins < SPINS { std::hint::spin_loop() } else { std::thread::yield_now() }
         }
+        Ok(())
+    }
+
+    /// Lets all go who wait, now and later.
+    fn shatter(&self) {
+        self.broken.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Breaks the barrier when its thread panics, so that none waits for it.
+struct Breaker<'a>(&'a Barrier);
+
+impl Drop for Breaker<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.shatter();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::pipeline::{Drive, segment};
+    use skyfront_core::config::Config;
+    use skyfront_core::outcome::Progress;
+    use skyfront_core::stage::Stage;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    #[test]
+    fn a_panic_in_one_band_ends_all() {
+        let pixels: Vec<f32> = (0..128 * 128).map(|n| ((n * 7919) % 101) as f32).collect();
+        let mut watch = |progress: &Progress| {
+            if let Progress::Working { stage: Stage::Evolve, pass: 3, .. } = progress {
+                panic!("as the test wants it");
+            }
+        };
+        let mut drive = Drive { threads: 4, watch: Some(&mut watch), ..Drive::default() };
+        let run = || segment(&Config::PAPER_F160, &pixels, 128, 128, &mut drive);
+        assert!(catch_unwind(AssertUnwindSafe(run)).is_err());
     }
 }

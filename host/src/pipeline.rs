@@ -18,6 +18,11 @@ use std::time::{Duration, Instant};
 /// Room in the catalogue; more sources are counted and reported.
 pub const MOST_SOURCES: usize = 100_000;
 
+/// Room in the catalogue of a front's run over so many pixels.
+pub fn room_for_sources(pixels: usize) -> usize {
+    (pixels / 4).clamp(1, MOST_SOURCES)
+}
+
 /// Planes as they stood after a step, row-major, for pictures and comparisons.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StagePlanes {
@@ -58,8 +63,8 @@ pub struct Segmentation {
     pub sky: Option<SkyMaps>,
     /// Wall time of each stage.
     pub seconds: Vec<(Stage, Duration)>,
-    /// Why there can be no source.
-    pub remark: Option<String>,
+    /// What must be known of the image and its sky, and why there can be no source.
+    pub remarks: Vec<String>,
 }
 
 /// Gives the values of a plane from a pixel's index on, row-major.
@@ -74,6 +79,8 @@ pub struct Drive<'a> {
     pub background: Option<&'a [f32]>,
     /// Standard deviation of every pixel's noise, for the noise-aware segmentation.
     pub noise: Option<&'a [f32]>,
+    /// Whether that noise only says which pixels are noisier than others.
+    pub relative: bool,
     /// Where the front starts, for [`skyfront_core::config::Start::Given`].
     pub start: Option<&'a StartMap>,
     /// Rows a poll.
@@ -94,6 +101,7 @@ impl Default for Drive<'_> {
         Drive {
             background: None,
             noise: None,
+            relative: false,
             start: None,
             slice: usize::MAX,
             keep_stages: false,
@@ -133,7 +141,7 @@ pub fn segment_in<A: Arithmetic>(
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
     let count = width * height;
-    let mut room = Room::<A>::new(config, width, height, (count / 4).clamp(1, MOST_SOURCES));
+    let mut room = Room::<A>::new(config, width, height, room_for_sources(count));
     if let Some(start) = drive.start {
         start.fill::<A>(config, (width, height), &mut room.front);
     }
@@ -212,6 +220,6 @@ pub fn segment_in<A: Arithmetic>(
         outcome,
         sky: None,
         seconds,
-        remark: None,
+        remarks: Vec::new(),
     })
 }

@@ -55,6 +55,15 @@ impl<A: Arithmetic> Room<A> {
     }
 }
 
+/// Whether the system gives so many bytes now.
+pub fn can_be_had(bytes: u64) -> bool {
+    let mut room: Vec<u8> = Vec::new();
+    let given = usize::try_from(bytes).is_ok_and(|bytes| room.try_reserve_exact(bytes).is_ok());
+    // Or the compiler leaves out an allocation that nobody uses.
+    std::hint::black_box(&room);
+    given
+}
+
 /// A plane of `len` cells, in large pages where the system has them: the front touches every row
 /// of a frame again and again, and ordinary pages are too many for the processor's page table.
 pub fn plane<T: Copy>(len: usize, cell: T) -> Vec<T> {
@@ -83,6 +92,13 @@ pub(crate) fn ask_for_large_pages<T>(_: &mut Vec<T>) {}
 
 #[cfg(test)]
 mod tests {
+    #[test]
+    fn memory_that_no_machine_has_cannot_be_had() {
+        assert!(super::can_be_had(1 << 20));
+        assert!(!super::can_be_had(1 << 60));
+        assert!(!super::can_be_had(u64::MAX));
+    }
+
     #[test]
     fn planes_are_filled_and_as_long_as_asked() {
         for len in [0, 1, 1023, 3_000_000] {

@@ -1,7 +1,7 @@
 //! The summary of a run as JSON: what went in, what was done, what came out.
 
 use crate::input::Input;
-use crate::pipeline::Segmentation;
+use crate::pipeline::{Segmentation, room_for_sources};
 use crate::provenance::{parameters, shortest};
 use crate::write;
 use serde_json::{Map, Value, json};
@@ -62,6 +62,7 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "iterations": moved(json!(outcome.steps)),
         "mask_pixels": outcome.mask_pixels,
         "n_sources": outcome.sources,
+        "catalog_room": moved(json!(room_for_sources(run.width * run.height))),
         "sources_not_in_catalog": outcome.sources - outcome.catalogued,
         "pixels_not_labelled": outcome.unlabelled,
         "labels_crc32": format!("{:08x}", label_digest(&run.labels)),

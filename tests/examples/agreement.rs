@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let name = Path::new(&path).file_stem().unwrap_or_default().to_string_lossy().into_owned();
         for (rescaling, rescale) in RESCALINGS {
             for (scheme, label) in SCHEMES {
-                let Agreement { reference, core } = Agreement::of(&paper(rescale, scheme), &image);
+                let Agreement { reference, core } = Agreement::of(&paper(rescale, scheme), &image.pixels, image.width);
                 let cells = core.iter().zip(ARITHMETICS).map(|(comparison, (_, bytes))| match comparison {
                     None => "not served | | ".to_owned(),
                     Some(c) => {

@@ -3,7 +3,6 @@
 use skyfront::crosscheck::{Comparison, compare, parameters};
 use skyfront::machine::Native;
 use skyfront::pipeline::{Drive, segment_in};
-use skyfront::read::Image;
 use skyfront::reference::{Stages, run};
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::config::Config;
@@ -21,26 +20,28 @@ pub struct Agreement {
 impl Agreement {
     /// Runs a configuration without a band everywhere. An arithmetic that needs a band has it and is still measured
     /// against the reference without: what the band changes counts.
-    pub fn of(config: &Config, image: &Image) -> Agreement {
-        let pixels: Vec<f64> = image.pixels.iter().map(|&pixel| pixel.into()).collect();
-        let reference = run(&parameters(config), &pixels, image.width, image.height).expect("the paper's parameters");
+    pub fn of(config: &Config, pixels: &[f32], width: usize) -> Agreement {
+        let wide: Vec<f64> = pixels.iter().map(|&pixel| pixel.into()).collect();
+        let height = pixels.len() / width;
+        let reference = run(&parameters(config), &wide, width, height).expect("the paper's parameters");
         let core = [
-            beside::<F32<Native>>(config, image, &reference),
-            beside::<Q24>(config, image, &reference),
-            beside::<Q11>(config, image, &reference),
+            beside::<F32<Native>>(config, pixels, width, &reference),
+            beside::<Q24>(config, pixels, width, &reference),
+            beside::<Q11>(config, pixels, width, &reference),
         ];
         Agreement { reference, core }
     }
 }
 
-fn beside<A: Arithmetic>(config: &Config, image: &Image, reference: &Stages) -> Option<Comparison> {
+fn beside<A: Arithmetic>(config: &Config, pixels: &[f32], width: usize, reference: &Stages) -> Option<Comparison> {
     let config = Config { band: A::NEEDS_BAND, ..*config };
     let mut drive = Drive { keep_stages: true, ..Drive::default() };
-    match segment_in::<A>(&config, &image.pixels, image.width, image.height, &mut drive) {
+    let height = pixels.len() / width;
+    match segment_in::<A>(&config, pixels, width, height, &mut drive) {
         Err(Error::Arithmetic { .. }) => None,
         run => {
-            let unit = f64::from(Front::new(&config, image.width, image.height).unit);
-            Some(compare(&image.pixels, &run.expect("a good image"), reference, unit))
+            let unit = f64::from(Front::new(&config, width, height).unit);
+            Some(compare(pixels, &run.expect("a good image"), reference, unit))
         }
     }
 }

@@ -11,8 +11,9 @@ pub mod scenes;
 pub mod specimens;
 pub mod text;
 
-/// The README's code is compiled and run as a test.
+/// The code of the README and of the documents is compiled and run as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
-pub struct Readme;
+#[doc = include_str!("../../core/doc/on-board.md")]
+pub struct Pages;
 pub mod runs;

@@ -9,7 +9,9 @@ use core::fmt;
 /// A step of a run, in the order of the steps: parameters are listed by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Step {
-    /// How sources are told from the sky.
+    /// How sources are found.
+    Method,
+    /// What belongs to sources, by significance.
     Outline,
     /// Pixel values become numbers in [0, 1].
     Normalize,
@@ -31,12 +33,13 @@ impl Step {
     /// Its heading in a list of parameters.
     pub const fn title(self) -> &'static str {
         match self {
-            Step::Outline => "Outline",
-            Step::Normalize => "Normalisation, for a front",
-            Step::Rescale => "Rescaling, for a front",
-            Step::Filter => "Filter, for a front",
-            Step::Speed => "Edge detector, for a front",
-            Step::Front => "Front",
+            Step::Method => "Method",
+            Step::Outline => "Outlines (--method significance)",
+            Step::Normalize => "Normalisation (--method rescaling)",
+            Step::Rescale => "Rescaling (--method rescaling)",
+            Step::Filter => "Filter (--method rescaling)",
+            Step::Speed => "Edge detector (--method rescaling)",
+            Step::Front => "Front (--method rescaling)",
             Step::Separate => "Separation of sources",
             Step::Select => "Selection of sources",
         }

@@ -37,12 +37,12 @@ macro_rules! table {
 }
 
 table![
-    choice("outline", "SFOUTLIN", OUTLINES, outline, set_outline)
-        .at(Step::Outline, &[])
+    choice("method", "SFMETHOD", METHODS, method, set_method)
+        .at(Step::Method, &[])
         .common()
-        .help("How sources are told from the sky."),
+        .help("How sources are found."),
     real("threshold", "SFTHRESH", |c| Some(Real(&mut detection(c)?.outline)))
-        .at(Step::Outline, &[BY_THRESHOLD])
+        .at(Step::Outline, &[BY_SIGNIFICANCE])
         .common()
         .unit("sigma")
         .range(Range::within(0.1, 100.0))
@@ -50,18 +50,27 @@ table![
             "Detection threshold, in standard deviations of a pixel's noise above the sky. Outlines lie \
              where the smoothed image reaches it.",
         ),
+    whole("outline-steps", "SFOSTEPS", |c| Some(Long(&mut detection(c)?.front_steps)))
+        .at(Step::Outline, &[BY_SIGNIFICANCE])
+        .range(Range::within(0.0, 1000.0))
+        .help("Steps of the front that starts where the smoothed image reaches the threshold; 0 leaves it there."),
+    real("outline-curvature", "SFOCURV", |c| Some(Real(&mut detection(c)?.curvature)))
+        .at(Step::Outline, &[BY_SIGNIFICANCE])
+        .unit("px sigma")
+        .range(Range::within(0.0, 1.0))
+        .help("Weight of that front's curvature: how smooth the outlines are."),
     choice("dx", "SFDX", &[], |c| Some(Value::of(Numbers::One(c.dx))), set_dx)
         .numbers(Numbers::One(0.0))
-        .at(Step::Normalize, &[BY_FRONT])
+        .at(Step::Normalize, &[BY_RESCALING])
         .range(Range::above(0.0, End::At(1e3)))
         .help("Width of a pixel in the paper's unit of length, that of gradients and of the front's way."),
     choice("normalize", "SFNORM", NORMALIZATIONS, normalize, set_normalize)
-        .at(Step::Normalize, &[BY_FRONT])
+        .at(Step::Normalize, &[BY_RESCALING])
         .ranges_by(|_| [Range::within(0.0, 1e6), Range::above(0.0, End::At(1e6))])
         .help("How pixel values become numbers in [0, 1]."),
     choice("range", "SFRANGE", &[], range, set_range)
         .numbers(Numbers::Two(0.0, 0.0))
-        .at(Step::Normalize, &[BY_FRONT, Need { name: "normalize", words: &["percentile"] }])
+        .at(Step::Normalize, &[BY_RESCALING, Need { name: "normalize", words: &["percentile"] }])
         .unit("%")
         .ranges_by(|c| {
             let low = if let Normalize::Percentile { low, .. } = c.normalize { low } else { 0.0 };
@@ -69,25 +78,25 @@ table![
         })
         .help("Percentiles of the pixel values that become 0 and 1."),
     choice("rescale", "SFRESC", RESCALINGS, rescale, set_rescale)
-        .at(Step::Rescale, &[BY_FRONT])
+        .at(Step::Rescale, &[BY_RESCALING])
         .help("Rescaling of intensities, which lifts faint sources above the sky."),
     real("alpha", "SFALPHA", |c| match &mut c.rescale {
         Rescale::R1 { alpha } | Rescale::R2 { alpha } => Some(Real(alpha)),
         Rescale::R3 { .. } | Rescale::None => None,
     })
-    .at(Step::Rescale, &[BY_FRONT, Need { name: "rescale", words: &["r1", "r2"] }])
+    .at(Step::Rescale, &[BY_RESCALING, Need { name: "rescale", words: &["r1", "r2"] }])
     .range(Range::above(0.0, End::Beyond(1.0)))
     .help("Exponent of r1 and r2; the smaller, the more faint light is lifted."),
     whole("beta", "SFBETA", |c| match &mut c.rescale {
         Rescale::R3 { beta, .. } => Some(Short(beta)),
         _ => None,
     })
-    .at(Step::Rescale, &[BY_FRONT, BY_R3])
+    .at(Step::Rescale, &[BY_RESCALING, BY_R3])
     .range(Range::within(1.0, 65_535.0))
     .help("Exponent of r3; the greater, the steeper the passage at tau."),
     choice("tau", "SFTAU", THRESHOLDS, tau, set_tau)
         .numbers(Numbers::One(0.0))
-        .at(Step::Rescale, &[BY_FRONT, BY_R3])
+        .at(Step::Rescale, &[BY_RESCALING, BY_R3])
         .ranges_by(|c| match c.rescale {
             Rescale::R3 { tau: Tau::Noise { .. }, .. } => [Range::above(0.0, End::At(1e3)); 2],
             _ => [Range::above(0.0, End::Beyond(1.0)); 2],
@@ -97,98 +106,100 @@ table![
              between 0 and 1.",
         ),
     choice("filter", "SFFILTER", FILTERS, filter, set_filter)
-        .at(Step::Filter, &[BY_FRONT])
+        .at(Step::Filter, &[BY_RESCALING])
         .help("How noise is smoothed away."),
     whole("filter-steps", "SFFSTEPS", |c| Some(Short(&mut c.filter_steps)))
-        .at(Step::Filter, &[BY_FRONT, FILTERED])
+        .at(Step::Filter, &[BY_RESCALING, FILTERED])
         .range(Range::within(0.0, 1000.0))
         .help("Steps of the filter."),
     real("filter-dt", "SFFDT", |c| Some(Real(&mut c.filter_dt)))
-        .at(Step::Filter, &[BY_FRONT, FILTERED])
+        .at(Step::Filter, &[BY_RESCALING, FILTERED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.dx * c.dx / 4.0)); 2])
         .help("Time step of the filter, at most dx^2/4."),
     choice("pm", "SFPM", DIFFUSIVITIES, diffusivity, set_diffusivity)
-        .at(Step::Filter, &[BY_FRONT, PERONA_MALIK])
+        .at(Step::Filter, &[BY_RESCALING, PERONA_MALIK])
         .help("Diffusion coefficient of Perona and Malik, of s = |grad I| / mu."),
     real("pm-mu", "SFPMMU", |c| match &mut c.filter {
         Filter::PeronaMalik { mu, .. } => Some(Real(mu)),
         _ => None,
     })
-    .at(Step::Filter, &[BY_FRONT, PERONA_MALIK])
+    .at(Step::Filter, &[BY_RESCALING, PERONA_MALIK])
     .range(Range::above(0.0, End::At(1e6)))
     .help(
         "Gradient at which Perona and Malik's filter stops smoothing, of values in [0, 1] per dx. The \
          paper's 30 is nearly the heat filter; 2 keeps edges.",
     ),
     choice("order", "SFORDER", ORDERS, order, set_order)
-        .at(Step::Filter, &[BY_FRONT, Need { name: "rescale", words: &["r1", "r2", "r3"] }, FILTERED])
+        .at(Step::Filter, &[BY_RESCALING, Need { name: "rescale", words: &["r1", "r2", "r3"] }, FILTERED])
         .help("Whether to rescale or to filter first."),
     choice("edge", "SFEDGE", EDGES, edge, set_edge)
-        .at(Step::Speed, &[BY_FRONT, EDGE_HELD])
+        .at(Step::Speed, &[BY_RESCALING, EDGE_HELD])
         .help("Edge detector, the speed of the front: 1 in flat places, 0 on edges."),
     real("p", "SFP", |c| if let Edge::G1 { p } = &mut c.edge { Some(Real(p)) } else { None })
-        .at(Step::Speed, &[BY_FRONT, EDGE_HELD, Need { name: "edge", words: &["g1"] }])
+        .at(Step::Speed, &[BY_RESCALING, EDGE_HELD, Need { name: "edge", words: &["g1"] }])
         .range(Range::within(1.0, 1e6))
         .help("Exponent of g1."),
     real("c2", "SFC2", |c| if let Edge::G2Mod { c2 } = &mut c.edge { Some(Real(c2)) } else { None })
-        .at(Step::Speed, &[BY_FRONT, EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
+        .at(Step::Speed, &[BY_RESCALING, EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
         .range(Range { least: End::At(0.0), most: End::Beyond(1.0) })
         .help("Constant of g2mod: the front is held where g2 is below it."),
     choice("scheme", "SFSCHEME", SCHEMES, |c| Some(Value::word(c.scheme.name())), set_scheme)
-        .at(Step::Front, &[BY_FRONT])
+        .at(Step::Front, &[BY_RESCALING])
         .help("Scheme that moves the front."),
     real("nu", "SFNU", |c| Some(Real(&mut c.nu)))
-        .at(Step::Front, &[BY_FRONT, BENT])
+        .at(Step::Front, &[BY_RESCALING, BENT])
         .range(Range::within(0.0, 1.0))
         .help("Weight of the curvature."),
     choice("curvature-form", "SFCURV", CURVATURE_FORMS, curvature_form, set_curvature_form)
-        .at(Step::Front, &[BY_FRONT, BENT])
+        .at(Step::Front, &[BY_RESCALING, BENT])
         .help("Form of the averages in the curvature."),
     real("degenerate", "SFDEGEN", |c| Some(Real(&mut c.degenerate)))
-        .at(Step::Front, &[BY_FRONT, FLATTENED])
+        .at(Step::Front, &[BY_RESCALING, FLATTENED])
         .range(Range::above(0.0, End::At(1e3)))
         .help("Slope of the front, times dx, up to which it counts as flat where its curvature is taken."),
     choice("directions", "SFDIRS", DIRECTIONS, directions, set_directions)
-        .at(Step::Front, &[BY_FRONT, Need { name: "scheme", words: &["sl", "sl-curvature"] }])
+        .at(Step::Front, &[BY_RESCALING, Need { name: "scheme", words: &["sl", "sl-curvature"] }])
         .help("Directions of the semi-Lagrangian minimum."),
     real("mu", "SFMU", |c| Some(Real(&mut c.chan_vese.mu)))
-        .at(Step::Front, &[BY_FRONT, CHAN_VESE])
+        .at(Step::Front, &[BY_RESCALING, CHAN_VESE])
         .range(Range::within(0.0, 10.0))
         .help(
             "Weight of the contour's length, in squared image units times the paper's unit of length. \
              (That of Perona and Malik is pm-mu.)",
         ),
     real("lambda1", "SFLAMB1", |c| Some(Real(&mut c.chan_vese.lambda1)))
-        .at(Step::Front, &[BY_FRONT, CHAN_VESE])
+        .at(Step::Front, &[BY_RESCALING, CHAN_VESE])
         .range(Range::above(0.0, End::At(10.0)))
         .help("Weight of the variance inside."),
     real("lambda2", "SFLAMB2", |c| Some(Real(&mut c.chan_vese.lambda2)))
-        .at(Step::Front, &[BY_FRONT, CHAN_VESE])
+        .at(Step::Front, &[BY_RESCALING, CHAN_VESE])
         .range(Range::above(0.0, End::At(10.0)))
         .help("Weight of the variance outside."),
-    choice("start", "SFSTART", STARTS, start, set_start).at(Step::Front, &[BY_FRONT]).help("Where the front starts."),
+    choice("start", "SFSTART", STARTS, start, set_start)
+        .at(Step::Front, &[BY_RESCALING])
+        .help("Where the front starts."),
     real("margin", "SFMARGIN", |c| match &mut c.start {
         Start::Threshold { margin } => Some(Real(margin)),
         _ => None,
     })
-    .at(Step::Front, &[BY_FRONT, Need { name: "start", words: &["threshold", "map"] }])
+    .at(Step::Front, &[BY_RESCALING, Need { name: "start", words: &["threshold", "map"] }])
     .unit("px")
     .range(Range::within(1.0, 100.0))
     .help("Distance from the outline of the threshold or the map to the front that starts there."),
     real("dt", "SFDT", |c| Some(Real(&mut c.dt)))
-        .at(Step::Front, &[BY_FRONT, STEPPED])
+        .at(Step::Front, &[BY_RESCALING, STEPPED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.longest_step())); 2])
         .help(
             "Time step of the front. It follows from scheme and dx: dx/4 for fd and fd-filtered, dx^2 for \
              fd-curvature, dx for sl and sl-curvature, 8 for chan-vese.",
         ),
     real("t-max", "SFTMAX", |c| Some(Real(&mut c.t_max)))
-        .at(Step::Front, &[BY_FRONT])
+        .at(Step::Front, &[BY_RESCALING])
         .ranges_by(|c| [Range::above(0.0, End::At(c.dt * MAX_STEPS as f32)); 2])
         .help("The front is given up at this time; 1600 for chan-vese."),
     choice("band", "SFBAND", &[word("none", "")], band, set_band)
         .numbers(Numbers::One(0.0))
-        .at(Step::Front, &[BY_FRONT, NEAR_FRONT])
+        .at(Step::Front, &[BY_RESCALING, NEAR_FRONT])
         .unit("px")
         .range(Range::within(2.0, 1e4))
         .help(
@@ -196,36 +207,36 @@ table![
              it is the paper's front; 8 changes fewer than 0.2 % of the pixels.",
         ),
     real("eps-front", "SFEPSF", |c| Some(Real(&mut c.eps_front)))
-        .at(Step::Front, &[BY_FRONT, NEAR_FRONT])
+        .at(Step::Front, &[BY_RESCALING, NEAR_FRONT])
         .range(Range::above(0.0, End::At(1e6)))
         .help("Pixels with |u| up to here count as near the front."),
     real("eps", "SFEPS", |c| Some(Real(&mut c.eps)))
-        .at(Step::Front, &[BY_FRONT, STEPPED])
+        .at(Step::Front, &[BY_RESCALING, STEPPED])
         .range(Range::above(0.0, End::At(1e6)))
         .help("Tolerance of the stopping rule."),
     choice("stop", "SFSTOP", STOPS, stop, set_stop)
-        .at(Step::Front, &[BY_FRONT, STEPPED])
+        .at(Step::Front, &[BY_RESCALING, STEPPED])
         .help("When the front counts as stopped."),
     choice("connectivity", "SFCONN", CONNECTIVITIES, connectivity, set_connectivity)
         .at(Step::Separate, &[])
         .common()
         .help("Which pixels of a source touch."),
     real("deblend-contrast", "SFCONTR", |c| Some(Real(&mut detection(c)?.contrast)))
-        .at(Step::Separate, &[BY_THRESHOLD])
+        .at(Step::Separate, &[BY_SIGNIFICANCE])
         .common()
         .range(Range::within(0.0, 1.0))
         .help("Deblending contrast: least light of a source, as a part of its brighter neighbour's.",),
     real("deblend-light", "SFBRANCH", |c| Some(Real(&mut detection(c)?.branch)))
-        .at(Step::Separate, &[BY_THRESHOLD])
+        .at(Step::Separate, &[BY_SIGNIFICANCE])
         .unit("sigma")
         .range(Range::within(0.0, 1e6))
         .help("Light above the saddle between two peaks that makes the fainter a source of its own."),
     real("deblend-sharpening", "SFSHARP", |c| Some(Real(&mut detection(c)?.sharpening)))
-        .at(Step::Separate, &[BY_THRESHOLD])
+        .at(Step::Separate, &[BY_SIGNIFICANCE])
         .range(Range::within(0.0, 4.0))
         .help("How much the image is sharpened before it is divided into sources; 0 leaves it smooth."),
     real("deblend-excess", "SFEXCESS", |c| Some(Real(&mut detection(c)?.excess)))
-        .at(Step::Separate, &[BY_THRESHOLD])
+        .at(Step::Separate, &[BY_SIGNIFICANCE])
         .unit("sigma")
         .range(Range::within(0.0, 1e6))
         .help(
@@ -233,22 +244,22 @@ table![
              mirrored light, in the noise of the lightly smoothed image.",
         ),
     whole("deblend-area", "SFREOPEN", |c| Some(Long(&mut detection(c)?.reopened_area)))
-        .at(Step::Separate, &[BY_THRESHOLD])
+        .at(Step::Separate, &[BY_SIGNIFICANCE])
         .unit("px")
         .range(Range::within(1.0, 1e9))
         .help("Pixels with so much light that such a source needs."),
     real("false-sources", "SFFALSE", |c| Some(Real(&mut detection(c)?.false_sources)))
-        .at(Step::Select, &[BY_THRESHOLD])
+        .at(Step::Select, &[BY_SIGNIFICANCE])
         .common()
         .unit("per image")
         .range(Range::within(0.001, 1000.0))
         .help("Peaks of pure noise that may be taken for sources in an image, on average."),
     real("false-share", "SFSHARE", |c| Some(Real(&mut detection(c)?.false_share)))
-        .at(Step::Select, &[BY_THRESHOLD])
+        .at(Step::Select, &[BY_SIGNIFICANCE])
         .range(Range::within(0.0, 0.5))
         .help("The share of the sources that may be such peaks, where that is more."),
     real("min-peak", "SFPEAK", |c| Some(Real(&mut detection(c)?.peak)))
-        .at(Step::Select, &[BY_THRESHOLD])
+        .at(Step::Select, &[BY_SIGNIFICANCE])
         .unit("thresholds")
         .range(Range::within(0.0, 100.0))
         .help(
@@ -256,7 +267,7 @@ table![
              noise would allow less.",
         ),
     real("min-light", "SFLIGHT", |c| Some(Real(&mut detection(c)?.light)))
-        .at(Step::Select, &[BY_THRESHOLD])
+        .at(Step::Select, &[BY_SIGNIFICANCE])
         .unit("sigma")
         .range(Range::within(0.0, 1e6))
         .help("Least light of a source, the sum of its pixels."),
@@ -269,8 +280,8 @@ table![
         .help("Smallest area of a source."),
 ];
 
-const BY_THRESHOLD: Need = Need { name: "outline", words: &["threshold"] };
-const BY_FRONT: Need = Need { name: "outline", words: &["front"] };
+const BY_SIGNIFICANCE: Need = Need { name: "method", words: &["significance"] };
+const BY_RESCALING: Need = Need { name: "method", words: &["rescaling"] };
 const BY_R3: Need = Need { name: "rescale", words: &["r3"] };
 const FILTERED: Need = Need { name: "filter", words: &["heat", "pm"] };
 const PERONA_MALIK: Need = Need { name: "filter", words: &["pm"] };
@@ -287,13 +298,17 @@ const STEPPED: Need =
 /// Schemes in which only what is near the front moves and tells whether it has stopped.
 const NEAR_FRONT: Need = Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered"] };
 
-const OUTLINES: &[Word] = &[
+const METHODS: &[Word] = &[
     word(
-        "threshold",
-        "where the smoothed image is above a multiple of the noise; sources are separated and selected by \
-         their significance",
+        "significance",
+        "by signal-to-noise: a front from the threshold outlines them, a tree of level sets divides them, \
+         and the significant ones are kept",
     ),
-    word("front", "where a moving front stops, as in the paper; sources are its connected components"),
+    word(
+        "rescaling",
+        "by the paper's Rescaling Segmentation Algorithm: intensities are rescaled and filtered, a front \
+         outlines sources, which are its connected components",
+    ),
 ];
 const NORMALIZATIONS: &[Word] = &[
     word("minmax", "by the least and the greatest pixel"),
@@ -350,17 +365,17 @@ const STOPS: &[Word] =
     &[word("paper", "by its change in a step"), word("rate", "per unit of time, and no pixel changes sign")];
 const CONNECTIVITIES: &[Word] = &[word("4", "those that share an edge"), word("8", "corners too")];
 
-/// The settings of the outline by threshold, where it is chosen.
+/// The settings of the method by significance, where it is chosen.
 fn detection(config: &mut Config) -> Option<&mut Detection> {
     config.detection.as_mut()
 }
 
-fn outline(config: &Config) -> Option<Value> {
-    Some(Value::word(if config.detection.is_some() { "threshold" } else { "front" }))
+fn method(config: &Config) -> Option<Value> {
+    Some(Value::word(if config.detection.is_some() { "significance" } else { "rescaling" }))
 }
 
-fn set_outline(config: &mut Config, value: Value) {
-    config.detection = if value.is("front") { None } else { Some(config.detection.unwrap_or(Detection::DEFAULT)) };
+fn set_method(config: &mut Config, value: Value) {
+    config.detection = if value.is("rescaling") { None } else { Some(config.detection.unwrap_or(Detection::DEFAULT)) };
 }
 
 /// The time step follows.
@@ -624,7 +639,7 @@ const fn parameter(name: &'static str, keyword: &'static str, bare: Numbers, acc
     Parameter {
         name,
         keyword,
-        step: Step::Outline,
+        step: Step::Method,
         unit: "",
         help: "",
         common: false,
@@ -780,10 +795,10 @@ mod tests {
     #[test]
     fn what_is_not_used_names_the_choice() {
         let unmet = |name: &str, config: &Config| Parameter::named(name).unwrap().unmet(config).map(|need| need.name);
-        assert_eq!(unmet("alpha", &Config::NOISE_AWARE), Some("outline"));
+        assert_eq!(unmet("alpha", &Config::NOISE_AWARE), Some("method"));
         assert_eq!(unmet("alpha", &Config::PAPER_F160), Some("rescale"));
         assert_eq!(unmet("alpha", &Config::PAPER_REAL), None);
-        assert_eq!(unmet("threshold", &Config::PAPER_REAL), Some("outline"));
+        assert_eq!(unmet("threshold", &Config::PAPER_REAL), Some("method"));
         assert_eq!(unmet("edge", &Config::CHAN_VESE), Some("scheme"));
         for config in [Config::NOISE_AWARE, Config::PAPER_F160, Config::PAPER_REAL, Config::CHAN_VESE] {
             assert_eq!(unmet("min-area", &config), None);

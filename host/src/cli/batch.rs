@@ -1,8 +1,10 @@
 //! Many images in one run: each in a folder of its own, a table of all, and none stops the others.
 
 use super::folders::folders;
-use super::job::{plan, process};
+use super::job::{guarded, plan, process};
+use super::memory::Memory;
 use super::messages::{Volume, about_input, progress_bar, report, warnings};
+use super::say::{Stderr, Stdout};
 use super::segment::Arguments;
 use super::table::{self, Facts, Row};
 use crate::write::Products;
@@ -21,9 +23,10 @@ const TABLE: &str = "summary.csv";
 pub fn run(arguments: &Arguments, config: &Config) -> Result<ExitCode> {
     let mut products = Products::plan(&arguments.out, &[TABLE], arguments.manner().overwrite)?;
     let folders = folders(&arguments.images, TABLE);
+    let memory = arguments.memory();
     let bar = progress_bar(arguments.images.len() as u64, "images", arguments.volume());
     let rows = in_parallel(arguments.images.len(), arguments.jobs.get(), |index| {
-        let row = one(arguments, config, &arguments.images[index], &folders[index], &bar);
+        let row = one(arguments, config, &memory, &arguments.images[index], &folders[index], &bar);
         bar.inc(1);
         row
     });
@@ -31,30 +34,43 @@ pub fn run(arguments: &Arguments, config: &Config) -> Result<ExitCode> {
     products.write(TABLE, |out| table::write_csv(&rows, out))?;
     products.publish()?;
     if arguments.json {
-        rows.iter().for_each(|row| println!("{}", row.json()));
+        rows.iter().try_for_each(|row| writeln!(Stdout, "{}", row.json()))?;
     }
     let failed = rows.iter().filter(|row| row.result.is_err()).count();
     if arguments.volume() > Volume::Quiet {
-        table::lines(&rows).iter().for_each(|line| eprintln!("{line}"));
-        eprintln!("{} images segmented, {failed} failed; {TABLE} in {}", rows.len() - failed, arguments.out.display());
+        table::lines(&rows).iter().for_each(|line| writeln!(Stderr, "{line}"));
+        writeln!(
+            Stderr,
+            "{} images segmented, {failed} failed; {TABLE} in {}",
+            rows.len() - failed,
+            arguments.out.display()
+        );
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// One image of many; what goes wrong becomes its row, and one line on stderr at once.
-fn one(arguments: &Arguments, config: &Config, path: &Path, folder: &str, bar: &ProgressBar) -> Row {
-    let result = segmented(arguments, config, path, &arguments.out.join(folder), bar).map_err(|error| {
+fn one(arguments: &Arguments, config: &Config, memory: &Memory, path: &Path, folder: &str, bar: &ProgressBar) -> Row {
+    let work = || segmented(arguments, config, memory, path, &arguments.out.join(folder), bar);
+    let result = guarded(work).map_err(|error| {
         let reason = format!("{error:#}");
-        bar.suspend(|| eprintln!("skyfront: {reason}"));
+        bar.suspend(|| writeln!(Stderr, "skyfront: {reason}"));
         reason
     });
     Row { image: path.display().to_string(), folder: folder.to_owned(), result }
 }
 
 /// Segments an image into its folder; what remains are the facts of its summary.
-fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path, bar: &ProgressBar) -> Result<Facts> {
+fn segmented(
+    arguments: &Arguments,
+    config: &Config,
+    memory: &Memory,
+    path: &Path,
+    folder: &Path,
+    bar: &ProgressBar,
+) -> Result<Facts> {
     let name = path.display().to_string();
-    let input = arguments.read(path)?;
+    let (input, _share) = arguments.read(path, config, memory)?;
     let manner = arguments.manner();
     let products = plan(folder, &manner, &[])?;
     let done = process(config, &input, products, &manner, &mut |_| ())?;
@@ -64,7 +80,7 @@ fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path,
         Volume::Verbose => report(config, &name, &done, Volume::Verbose),
     };
     let about_input = about_input(&input, arguments.volume());
-    bar.suspend(|| about_input.iter().chain(&lines).for_each(|line| eprintln!("{line}")));
+    bar.suspend(|| about_input.iter().chain(&lines).for_each(|line| writeln!(Stderr, "{line}")));
     Ok(Facts::of(&done.summary, arguments.json))
 }
 
@@ -74,19 +90,24 @@ fn segmented(arguments: &Arguments, config: &Config, path: &Path, folder: &Path,
 fn in_parallel<T: Send>(count: usize, workers: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::with_capacity(count));
-    std::thread::scope(|scope| {
-        for _ in 0..workers.min(count) {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    if index >= count {
-                        break;
-                    }
-                    let result = work(index);
-                    results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
-                }
-            });
+    let work_on = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= count {
+                break;
+            }
+            let result = work(index);
+            results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
         }
+    };
+    std::thread::scope(|scope| {
+        // Where the system gives no more threads, fewer do the work.
+        for _ in 1..workers.min(count) {
+            if std::thread::Builder::new().spawn_scoped(scope, work_on).is_err() {
+                break;
+            }
+        }
+        work_on();
     });
     let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
     results.sort_unstable_by_key(|&(index, _)| index);

@@ -1,10 +1,13 @@
 //! `skyfront budget`: what a run will need at most, before there is an image.
 
+use super::Usage;
 use super::choices::ArithmeticOption;
 use super::instructions::needs;
+use super::memory::MOST_PIXELS;
 use super::options::Options;
+use super::say::Stdout;
 use crate::detection;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
 use skyfront_core::budget;
@@ -33,11 +36,18 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let pixels = arguments.width.checked_mul(arguments.height);
+    if pixels.is_none_or(|pixels| pixels as u64 > MOST_PIXELS) {
+        bail!(Usage("--width times --height must be at most 2^30 pixels, the most that can be labelled"));
+    }
+    if arguments.sources.is_some_and(|sources| sources as u64 > MOST_PIXELS) {
+        bail!(Usage("--sources must be at most 2^30"));
+    }
     let config = arguments.options.config()?;
     let size = (arguments.width, arguments.height);
     if config.detection.is_some() {
         arguments.options.arithmetic.validate(&config)?;
-        print!("{}", noise_aware(size)?);
+        write!(Stdout, "{}", noise_aware(size)?)?;
         return Ok(());
     }
     let text = match arguments.options.arithmetic {
@@ -45,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ArithmeticOption::Q24 => budget_of::<Q24>(&config, size, arguments.sources),
         ArithmeticOption::Q11 => budget_of::<Q11>(&config, size, arguments.sources),
     }?;
-    print!("{text}");
+    write!(Stdout, "{text}")?;
     Ok(())
 }
 

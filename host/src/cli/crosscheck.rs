@@ -1,7 +1,8 @@
 //! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
 
+use super::say::{Stderr, Stdout};
 use super::{Options, Usage};
-use crate::crosscheck::{Tolerances, crosscheck, json, table};
+use crate::crosscheck::{Tolerances, crosscheck, json, table, unheard_of};
 use crate::provenance::scheme_name;
 use crate::read::{self, HduChoice, Image};
 use crate::vectors::{self, INPUT, MANIFEST, Trace};
@@ -41,29 +42,36 @@ pub struct Arguments {
 
 /// Limits that take the place of those of every arithmetic.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Tolerances [defaults: f32, q24, q11]")]
+#[command(next_help_heading = "Tolerances of a step from the same input [defaults: f32, q24, q11]")]
 struct Limits {
-    /// Largest difference of normalised values [1e-6, 1e-6, 6.2e-5].
-    #[arg(long, value_name = "X")]
+    /// Largest difference of normalised values [5e-7, 5e-7, 1.6e-5].
+    #[arg(long, value_name = "X", value_parser = limit)]
     max_normalised: Option<f64>,
-    /// Largest difference of rescaled and filtered values [1e-4, 0.12, 0.3].
-    #[arg(long, value_name = "X")]
+    /// Largest difference of rescaled values, and of each step of the filter [5e-7, 5e-7, 1.6e-5].
+    #[arg(long, value_name = "X", value_parser = limit)]
     max_rescaled: Option<f64>,
-    /// Largest difference of the edge detector [1e-3, 0.02, 0.2].
-    #[arg(long, value_name = "X")]
+    /// Largest difference of the edge detector [5e-7 (1 + 1/(1 - c2)), the same, 1.5e-5 more].
+    #[arg(long, value_name = "X", value_parser = limit)]
     max_edge: Option<f64>,
-    /// Largest difference of the front, in units of the paper's u [5e-4, 5e-3, 0.05].
-    #[arg(long, value_name = "X")]
+    /// Largest difference of each step of the front, in its own unit, u or pixels in a band
+    /// [5e-7 times the band, the same, 3.7e-4].
+    #[arg(long, value_name = "X", value_parser = limit)]
     max_front: Option<f64>,
-    /// Steps that one may take more than the other [0, 3, 25].
+    /// Largest shift of a centroid, pixels [1e-3].
+    #[arg(long, value_name = "PX", value_parser = limit)]
+    max_centroid: Option<f64>,
+    /// Steps that the whole run may take more or fewer than the reference's [not asked].
     #[arg(long, value_name = "N")]
     max_steps: Option<u32>,
-    /// Pixels of the mask, and labels, that may differ [0, 3, 0.2 % of the image].
+    /// Pixels of the mask that the whole runs may differ in [not asked].
     #[arg(long, value_name = "N")]
     max_pixels: Option<usize>,
-    /// Largest shift of a centroid, pixels [1e-3, 0.5, 0.5].
-    #[arg(long, value_name = "PX")]
-    max_centroid: Option<f64>,
+}
+
+/// A limit: a number that is not below 0.
+fn limit(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if number >= 0.0 { Ok(number) } else { Err("a limit must be at least 0".to_owned()) }
 }
 
 impl Limits {
@@ -73,9 +81,9 @@ impl Limits {
             rescaled: self.max_rescaled.unwrap_or(given.rescaled),
             edge: self.max_edge.unwrap_or(given.edge),
             front: self.max_front.unwrap_or(given.front),
-            steps: self.max_steps.unwrap_or(given.steps),
-            pixels: self.max_pixels.unwrap_or(given.pixels),
             centroid: self.max_centroid.unwrap_or(given.centroid),
+            steps: self.max_steps,
+            pixels: self.max_pixels,
         }
     }
 }
@@ -83,10 +91,10 @@ impl Limits {
 pub fn run(arguments: &Arguments) -> Result<()> {
     match (&arguments.from_vectors, &arguments.image) {
         (Some(folder), _) => replay(folder),
-        (None, Some(_)) if arguments.options.start_map().is_some() => {
-            bail!(Usage("the reference starts its front at the frame only: leave --start out"))
-        }
         (None, Some(path)) => {
+            if let Some(what) = unheard_of(&arguments.options.config()?) {
+                bail!(Usage(what));
+            }
             let image = read::image(path, arguments.hdu.as_ref())?;
             let configs = configs(&arguments.options)?;
             if let Some(folder) = &arguments.vectors {
@@ -123,11 +131,11 @@ fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -
         if arguments.json {
             results.extend(checks.iter().map(|check| json(scheme, check)));
         } else {
-            print!("{}", table(scheme, &checks));
+            write!(Stdout, "{}", table(scheme, &checks))?;
         }
     }
     if arguments.json {
-        println!("{:#}", json!({ "input": name, "passed": failed == 0, "checks": results }));
+        writeln!(Stdout, "{:#}", json!({ "input": name, "passed": failed == 0, "checks": results }))?;
     }
     if failed > 0 {
         bail!("{name}: {failed} of {made} checks exceed a tolerance");
@@ -161,7 +169,7 @@ fn export(folder: &Path, configs: &[Config], image: &Image, overwrite: bool) -> 
         products.write(name, |out| out.write_all(bytes))?;
     }
     products.publish()?;
-    eprintln!("{} files in {}", files.len(), folder.display());
+    writeln!(Stderr, "{} files in {}", files.len(), folder.display());
     Ok(())
 }
 
@@ -182,7 +190,9 @@ fn replay(folder: &Path) -> Result<()> {
         bail!("{}: no width and height", path.display());
     };
     let bytes = std::fs::read(folder.join(INPUT)).with_context(|| folder.join(INPUT).display().to_string())?;
-    if manifest["input"]["crc32"] != vectors::crc(&bytes) || Some(bytes.len()) != width.checked_mul(4 * height) {
+    if manifest["input"]["crc32"] != vectors::crc(&bytes)
+        || Some(bytes.len()) != width.checked_mul(height).and_then(|pixels| pixels.checked_mul(4))
+    {
         bail!("{}: not the image that {MANIFEST} describes", folder.join(INPUT).display());
     }
     let (samples, _) = bytes.as_chunks::<4>();
@@ -200,25 +210,27 @@ fn replay(folder: &Path) -> Result<()> {
             }
         }
     }
-    problems.iter().for_each(|problem| println!("{problem}"));
+    problems.iter().try_for_each(|problem| writeln!(Stdout, "{problem}"))?;
     if compared == 0 {
         bail!("{}: no run to replay", path.display());
     }
     if !problems.is_empty() {
         bail!("{}: {} of {compared} runs differ", folder.display(), problems.len());
     }
-    println!("{compared} runs give the same bits in every stage");
+    writeln!(Stdout, "{compared} runs give the same bits in every stage")?;
     Ok(())
 }
 
 /// The configuration that the options of a manifest amount to.
 fn configuration_of(options: &Json) -> Result<Config> {
     let options = options.as_object().context("a configuration without options")?;
-    let line = options.iter().flat_map(|(name, value)| {
+    let given = options.iter().flat_map(|(name, value)| {
         let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         [format!("--{name}"), value]
     });
-    Line::try_parse_from(line).context("options of the vectors")?.options.config()
+    // All vectors are those of a front.
+    let preset = ["--preset", "paper-f160"].map(str::to_owned).into_iter().filter(|_| !options.contains_key("preset"));
+    Line::try_parse_from(preset.chain(given)).context("options of the vectors")?.options.config()
 }
 
 /// The first stage of a run in a manifest whose digest is not that of the trace.

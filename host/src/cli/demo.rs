@@ -3,6 +3,7 @@
 use super::choices::ArithmeticOption;
 use super::job::{Manner, plan};
 use super::messages::Volume;
+use super::say::Stderr;
 use super::segment::segment_image;
 use crate::catalogue::Request;
 use crate::input::Input;
@@ -57,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let volume = if arguments.quiet { Volume::Quiet } else { Volume::Normal };
     let say = |line: String| {
         if !arguments.quiet {
-            eprintln!("{line}");
+            writeln!(Stderr, "{line}");
         }
     };
     let mut products = plan(&arguments.out, &manner, &files)?;

@@ -35,7 +35,9 @@ fn stem(image: &Path) -> String {
 /// `name` without `ending`, in whatever case; never nothing.
 fn strip<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
     let at = name.len().checked_sub(ending.len()).filter(|&at| at > 0 && name.is_char_boundary(at))?;
-    name[at..].eq_ignore_ascii_case(ending).then_some(&name[..at])
+    let rest = name[at..].eq_ignore_ascii_case(ending).then_some(&name[..at])?;
+    // Dots alone would be the folder itself, or its parent.
+    (!rest.bytes().all(|byte| byte == b'.')).then_some(rest)
 }
 
 #[cfg(test)]
@@ -46,6 +48,14 @@ mod tests {
     fn folders_are_named_after_images() {
         let names = folders(&["a/m31.fits", "b/M33.FITS.gz", "c.d.fz", ".fits", "näme_星.fits"], "summary.csv");
         assert_eq!(names, ["m31", "M33", "c.d", ".fits", "näme_星"]);
+    }
+
+    #[test]
+    fn no_folder_is_the_parent_or_the_results_themselves() {
+        assert_eq!(
+            folders(&["..fits", "...fits", "....fits.gz", "..a.fits"], "s"),
+            ["..fits", "...fits", "....fits", "..a"]
+        );
     }
 
     #[test]

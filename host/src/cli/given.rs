@@ -187,9 +187,9 @@ pub fn notes(parameter: &Parameter) -> Vec<String> {
     notes
 }
 
-/// With which choice a parameter is used; the heading of its step tells of the front.
+/// With which choice a parameter is used; the heading of most steps tells the method.
 fn uses(parameter: &Parameter) -> Option<String> {
-    let own = |need: &&Need| need.name != "outline" || matches!(parameter.step, Step::Separate | Step::Select);
+    let own = |need: &&Need| need.name != "method" || matches!(parameter.step, Step::Separate | Step::Select);
     let needs: Vec<String> =
         parameter.needs.iter().filter(own).map(|need| format!("--{} {}", need.name, words(need.words))).collect();
     (!needs.is_empty()).then(|| format!("with {}", needs.join(" and ")))
@@ -286,7 +286,7 @@ mod tests {
         let message = config(&["--scheme", "fd"]).expect_err("the default has no front");
         assert_eq!(
             message,
-            "--scheme is not used by --outline threshold; it needs --outline front, as --preset paper-f160 has"
+            "--scheme is not used by --method significance; it needs --method rescaling, as --preset paper-f160 has"
         );
         let message = config(&["--preset", "paper-f160", "--mu", "1"]).expect_err("for another scheme");
         assert!(message.ends_with("it needs --scheme chan-vese, as --preset chan-vese has"), "{message}");

@@ -1,4 +1,4 @@
-//! The instructions that a run takes at most on the processors of `tests/resources.txt`.
+//! The instructions that a run takes at most on the processors of `resources.txt`.
 
 use skyfront_core::budget::{passes, variant};
 use skyfront_core::config::Config;
@@ -6,7 +6,7 @@ use skyfront_core::stage::Stage;
 use std::collections::BTreeSet;
 
 /// Lines `cost MACHINE ARITHMETIC STAGE VARIANT INSTRUCTIONS`, the instructions those of a pixel of one pass.
-const TABLE: &str = include_str!("../../../tests/resources.txt");
+const TABLE: &str = include_str!("resources.txt");
 
 /// What a machine takes at most for a run over `pixels`.
 #[derive(Debug, PartialEq)]

@@ -5,12 +5,14 @@ use crate::catalogue::Request;
 use crate::input::Input;
 use crate::outputs::{self, Written};
 use crate::pipeline::{Drive, Values};
+use crate::planes::can_be_had;
 use crate::summary::Part;
 use crate::write::Products;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
 use skyfront_core::config::Config;
 use skyfront_core::outcome::{Outcome, Progress};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// In which numbers a run is made, and how its results are written.
@@ -43,6 +45,17 @@ pub struct Done {
     pub files: Vec<PathBuf>,
 }
 
+/// What a source takes while it is measured and written.
+const SOURCE_BYTES: u64 = 2000;
+
+/// Does some work; a panic, which can only be a fault of this program, becomes an error.
+pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref().map(String::as_str));
+        Err(anyhow!("internal error: {}", text.unwrap_or("a panic without words")))
+    })
+}
+
 /// The products of an image, and `more`, planned in a folder.
 pub fn plan(folder: &Path, manner: &Manner, more: &[&str]) -> Result<Products> {
     let pictures: &[&str] = if manner.pictures { &outputs::PICTURES } else { &[] };
@@ -62,6 +75,7 @@ pub fn process(
     let mut drive = Drive {
         background: input.detected.background.as_deref(),
         noise: input.detected.noise.as_deref(),
+        relative: input.detected.relative,
         start: input.start.as_ref(),
         keep_stages: manner.pictures,
         threads: manner.threads,
@@ -81,7 +95,24 @@ pub fn process(
         .segment(config, &input.detected.image, &mut drive)
         .with_context(|| input.detected.name.clone())?;
     written?;
+    if !can_be_had(run.sources.len() as u64 * SOURCE_BYTES) {
+        let (name, sources) = (&input.detected.name, run.sources.len());
+        bail!("{name}: there is no memory for {sources} sources of {SOURCE_BYTES} bytes; cut the image into pieces");
+    }
     let Written { summary, warnings, parts } = outputs::write(&mut products, config, input, &run, &manner.request)?;
     let files = products.publish()?;
     Ok(Done { width: run.width, height: run.height, outcome: run.outcome, parts, summary, warnings, files })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error() {
+        let words = |work: fn() -> Result<()>| guarded(work).map_err(|error| error.to_string());
+        assert_eq!(words(|| Ok(())), Ok(()));
+        assert_eq!(words(|| panic!("as the test wants it")), Err("internal error: as the test wants it".to_owned()));
+        assert_eq!(words(|| panic!("{}", 7)), Err("internal error: 7".to_owned()));
+    }
 }

@@ -1,10 +1,10 @@
 //! `skyfront man` and `skyfront completions`, both made from the definitions of the options.
 
 use super::Cli;
+use super::say::Stdout;
 use anyhow::{Context, Result};
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
-use std::io::stdout;
 
 #[derive(Debug, Args)]
 pub struct ManArguments {
@@ -30,11 +30,16 @@ pub fn man(arguments: &ManArguments) -> Result<()> {
             .clone()
             .display_name(format!("skyfront-{name}")),
     };
-    clap_mangen::Man::new(page).render(&mut stdout().lock())?;
+    let mut text = Vec::new();
+    clap_mangen::Man::new(page).render(&mut text)?;
+    write!(Stdout, "{}", String::from_utf8_lossy(&text))?;
     Ok(())
 }
 
 /// Prints completions.
-pub fn completions(arguments: &CompletionsArguments) {
-    clap_complete::generate(arguments.shell, &mut Cli::command(), "skyfront", &mut stdout().lock());
+pub fn completions(arguments: &CompletionsArguments) -> Result<()> {
+    let mut text = Vec::new();
+    clap_complete::generate(arguments.shell, &mut Cli::command(), "skyfront", &mut text);
+    write!(Stdout, "{}", String::from_utf8_lossy(&text))?;
+    Ok(())
 }

@@ -81,12 +81,5 @@ pub fn about_input(input: &Input, volume: Volume) -> Vec<String> {
 
 /// What a user must know about a result.
 pub fn warnings(name: &str, done: &Done) -> Vec<String> {
-    let mut lines: Vec<String> = done.warnings.iter().map(|text| format!("warning: {name}: {text}")).collect();
-    if done.outcome.catalogued < done.outcome.sources {
-        lines.push(format!("warning: {name}: the catalogue has room for {} sources only", done.outcome.catalogued));
-    }
-    if done.outcome.unlabelled > 0 {
-        lines.push(format!("warning: {name}: {} pixels of sources found no free label", done.outcome.unlabelled));
-    }
-    lines
+    done.warnings.iter().map(|text| format!("warning: {name}: {text}")).collect()
 }

@@ -16,11 +16,13 @@ mod instructions;
 mod job;
 mod manual;
 mod measuring;
+mod memory;
 mod messages;
 mod options;
 mod parameters;
 mod presets;
 mod reproduce;
+mod say;
 mod score;
 mod segment;
 mod settings;
@@ -35,6 +37,7 @@ pub use options::Options;
 use anyhow::Result;
 use clap::{Arg, ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use given::Unused;
+use say::{Stderr, Stdout, Unwritten};
 use skyfront_core::config::Parameter;
 use skyfront_core::error::Error;
 use std::ffi::OsString;
@@ -85,20 +88,15 @@ enum Command {
 /// Runs a command line, the program's name first.
 pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     let mut command = command();
-    let matches = settings::parse(&mut command, line.into_iter().collect()).unwrap_or_else(|error| error.exit());
-    let done = match dumped(&mut command, &matches) {
-        Ok(None) => {
-            let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
-            obey(cli)
-        }
-        Ok(Some(text)) => {
-            print!("{text}");
-            Ok(ExitCode::SUCCESS)
-        }
-        Err(error) => Err(error),
-    };
+    let matches = settings::parse(&mut command, line.into_iter().collect()).unwrap_or_else(|error| say::exit(&error));
+    let done = dumped(&mut command, &matches).and_then(|text| match text {
+        Some(text) => write!(Stdout, "{text}").map(|()| ExitCode::SUCCESS).map_err(anyhow::Error::from),
+        None => obey(Cli::from_arg_matches(&matches).unwrap_or_else(|error| say::exit(&error.format(&mut command)))),
+    });
     done.unwrap_or_else(|error| {
-        eprintln!("skyfront: {}", message(&error));
+        if !error.downcast_ref().is_some_and(Unwritten::is_gone) {
+            writeln!(Stderr, "skyfront: {}", message(&error));
+        }
         if is_usage(&error) { ExitCode::from(2) } else { ExitCode::FAILURE }
     })
 }
@@ -162,12 +160,12 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Demo(arguments)) => demo::run(&arguments)?,
         Some(Command::Simulate(arguments)) => simulate::run(&arguments)?,
         Some(Command::Score(arguments)) => score::run(&arguments)?,
-        Some(Command::Presets) => presets::run(),
-        Some(Command::Parameters) => parameters::run(),
-        Some(Command::Columns) => columns::run(),
+        Some(Command::Presets) => presets::run()?,
+        Some(Command::Parameters) => parameters::run()?,
+        Some(Command::Columns) => columns::run()?,
         Some(Command::Man(arguments)) => manual::man(&arguments)?,
-        Some(Command::Completions(arguments)) => manual::completions(&arguments),
-        None => Cli::command().print_help()?,
+        Some(Command::Completions(arguments)) => manual::completions(&arguments)?,
+        None => write!(Stdout, "{}", Cli::command().render_help())?,
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -176,7 +174,8 @@ fn obey(cli: Cli) -> Result<ExitCode> {
 fn dumped(command: &mut clap::Command, matches: &ArgMatches) -> Result<Option<String>> {
     let Some((name, given)) = matches.subcommand() else { return Ok(None) };
     let wanted = given.try_get_one::<bool>("dump_config").ok().flatten();
-    let (Some(true), Some(subcommand)) = (wanted, command.find_subcommand(name)) else { return Ok(None) };
-    let options = Options::from_arg_matches(given).map_err(|error| anyhow::anyhow!("{error}"))?;
-    Ok(Some(settings::dump(subcommand, given, &options.config()?)))
+    let Some(true) = wanted else { return Ok(None) };
+    let options = Options::from_arg_matches(given).unwrap_or_else(|error| say::exit(&error.format(command)));
+    let config = options.config()?;
+    Ok(command.find_subcommand(name).map(|subcommand| settings::dump(subcommand, given, &config)))
 }

@@ -1,22 +1,27 @@
 //! `skyfront parameters`: the table of all parameters.
 
 use super::given::notes;
+use super::say::{Stdout, Unwritten};
 use skyfront_core::config::PARAMETERS;
 
 /// Prints every parameter by its step: name, forms of its values, keyword, bounds, default, use,
 /// and what it and its words mean.
-pub fn run() {
+///
+/// # Errors
+/// Where stdout cannot be written.
+pub fn run() -> Result<(), Unwritten> {
     let mut step = None;
     for parameter in PARAMETERS {
         if step != Some(parameter.step) {
             step = Some(parameter.step);
-            println!("{}", parameter.step.title());
+            writeln!(Stdout, "{}", parameter.step.title())?;
         }
-        println!("  --{} {}   {} in FITS headers", parameter.name, parameter.forms(), parameter.keyword);
-        println!("      {}", parameter.help);
-        println!("      [{}]", notes(parameter).join("; "));
+        writeln!(Stdout, "  --{} {}   {} in FITS headers", parameter.name, parameter.forms(), parameter.keyword)?;
+        writeln!(Stdout, "      {}", parameter.help)?;
+        writeln!(Stdout, "      [{}]", notes(parameter).join("; "))?;
         for word in parameter.words.iter().filter(|word| !word.help.is_empty()) {
-            println!("      {}: {}", word.name, word.help);
+            writeln!(Stdout, "      {}: {}", word.name, word.help)?;
         }
     }
+    Ok(())
 }

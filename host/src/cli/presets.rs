@@ -1,21 +1,23 @@
 //! `skyfront presets`: what each preset is and sets.
 
 use super::choices::Preset;
+use super::say::{Stdout, Unwritten};
 use crate::provenance::parameters;
 use clap::ValueEnum;
 
 /// Lists the presets.
-pub fn run() {
+pub fn run() -> Result<(), Unwritten> {
     for (index, preset) in Preset::value_variants().iter().enumerate() {
         let Some(value) = preset.to_possible_value() else { continue };
         let standard = if *preset == Preset::default() { " (default)" } else { "" };
         let blank = if index == 0 { "" } else { "\n" };
-        println!("{blank}{}{standard}", value.get_name());
+        writeln!(Stdout, "{blank}{}{standard}", value.get_name())?;
         if let Some(help) = value.get_help() {
-            println!("    {help}");
+            writeln!(Stdout, "    {help}")?;
         }
         for parameter in parameters(&preset.config()) {
-            println!("    {:20}{}", parameter.name, parameter.value);
+            writeln!(Stdout, "    {:20}{}", parameter.name, parameter.value)?;
         }
     }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! `skyfront reproduce`: the paper's figures again, with its times beside ours.
 
+use super::say::{Stderr, Stdout};
 use super::simulated;
 use crate::picture::contact_sheet;
 use crate::pipeline::{Drive, Segmentation, segment};
@@ -34,13 +35,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mut products = Products::plan(&arguments.out, &[SHEET], arguments.overwrite)?;
     let images = images(arguments)?;
-    println!("image\ttest\tcaption\tpaper t\tt\tsteps\tstop\tmask pixels\tsources");
+    writeln!(Stdout, "image\ttest\tcaption\tpaper t\tt\tsteps\tstop\tmask pixels\tsources")?;
     let mut runs = Vec::new();
     for (name, test, image) in &images {
         for caption in captions().into_iter().filter(|caption| test.is_none_or(|test| caption.test == test)) {
             let run = segment(&caption.config, &image.pixels, image.width, image.height, &mut Drive::default())
                 .with_context(|| name.clone())?;
-            println!("{name}\t{}", line(&caption, &run));
+            writeln!(Stdout, "{name}\t{}", line(&caption, &run))?;
             let title = format!("Test {}: {} t = {:.3}", caption.test, caption.text, time(&caption, &run));
             runs.push((title, image.pixels.as_slice(), run));
         }
@@ -48,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let sheet = contact_sheet(&runs);
     products.write(SHEET, |out| sheet.write_png(out))?;
     products.publish()?;
-    eprintln!("{} fronts and segmented images in {}", runs.len(), arguments.out.join(SHEET).display());
+    writeln!(Stderr, "{} fronts and segmented images in {}", runs.len(), arguments.out.join(SHEET).display());
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! `skyfront score`: how well a label map agrees with the truth.
 
+use super::say::Stdout;
 use crate::read::{self, HduChoice, Image};
 use crate::score::score;
 use anyhow::{Result, ensure};
@@ -45,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         "mean_iou": result.mean_iou,
         "pq": result.panoptic,
     });
-    println!("{values:#}");
+    writeln!(Stdout, "{values:#}")?;
     Ok(())
 }
 

@@ -2,7 +2,9 @@
 
 use super::choices::ArithmeticOption;
 use super::job::{Done, Manner, plan, process};
+use super::memory::{Memory, Share, amount, need};
 use super::messages::{Volume, about_input, progress_bar, report, show};
+use super::say::{Stderr, Stdout};
 use super::{Beside, Measuring, Options, Usage, batch};
 use crate::input::Input;
 use crate::read::{self, HduChoice};
@@ -43,6 +45,10 @@ pub struct Arguments {
     /// How many of several images are worked on at a time; each takes its own memory.
     #[arg(long, value_name = "N", default_value = "1")]
     pub jobs: NonZeroUsize,
+    /// Bytes that all images worked on at a time may take, with k, M or G for 10^3, 10^6 or 10^9: an image that
+    /// needs more is refused, others wait for each other [default: what the system gives].
+    #[arg(long, value_name = "BYTES", value_parser = amount)]
+    max_memory: Option<u64>,
     /// Print the summary on stdout, as JSON; for several images one line each.
     #[arg(long)]
     pub json: bool,
@@ -75,12 +81,24 @@ impl Arguments {
         Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
     }
 
-    /// Reads an image as it is wanted, with the maps that come with it.
-    pub fn read(&self, path: &Path) -> Result<Input> {
+    /// The memory that all runs may take.
+    pub fn memory(&self) -> Memory {
+        Memory::new(self.max_memory)
+    }
+
+    /// Reads an image as it is wanted, with the maps that come with it, once there is memory for its run.
+    pub fn read<'m>(&self, path: &Path, config: &Config, memory: &'m Memory) -> Result<(Input, Option<Share<'m>>)> {
         let started = Instant::now();
-        let image = read::image(path, self.hdu.as_ref())?;
-        let input = self.beside.maps(&self.options).over(&path.display().to_string(), image)?;
-        Ok(Input { reading: started.elapsed(), ..input })
+        let (maps, manner) = (self.beside.maps(&self.options), self.manner());
+        let mut share = None;
+        let mut admit = |width, height| {
+            let size = (width, height);
+            share = Some(memory.take(need(config, &manner, maps.count(), size)?, size)?);
+            Ok(())
+        };
+        let image = read::image_if(path, self.hdu.as_ref(), &mut admit)?;
+        let input = maps.over(&path.display().to_string(), image)?;
+        Ok((Input { reading: started.elapsed(), ..input }, share))
     }
 }
 
@@ -92,16 +110,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));
     }
     if arguments.manner().request.sky && config.detection.is_none() {
-        bail!(Usage("--sky-maps is not used by --outline front: only --outline threshold maps sky and noise"));
+        bail!(Usage("--sky-maps is not used by --method rescaling: only --method significance maps sky and noise"));
     }
     match arguments.images.as_slice() {
         [path] => {
-            let input = arguments.read(path)?;
+            let memory = arguments.memory();
+            let (input, _share) = arguments.read(path, &config, &memory)?;
             let manner = arguments.manner();
             let products = plan(&arguments.out, &manner, &[])?;
             let done = segment_image(&config, &input, products, &manner, arguments.volume())?;
             if arguments.json {
-                println!("{:#}", done.summary);
+                writeln!(Stdout, "{:#}", done.summary)?;
             }
             Ok(ExitCode::SUCCESS)
         }
@@ -118,16 +137,16 @@ pub fn segment_image(
     volume: Volume,
 ) -> Result<Done> {
     let name = &input.detected.name;
-    about_input(input, volume).iter().for_each(|line| eprintln!("{line}"));
+    about_input(input, volume).iter().for_each(|line| writeln!(Stderr, "{line}"));
     let bar = progress_bar(u64::from(config.max_steps()), "steps", volume);
     let done = process(config, input, products, manner, &mut |progress| show(&bar, progress));
     bar.finish_and_clear();
     let done = done?;
     for line in report(config, name, &done, volume) {
-        eprintln!("{line}");
+        writeln!(Stderr, "{line}");
     }
     if let Some(folder) = done.files.first().and_then(|path| path.parent()).filter(|_| volume > Volume::Quiet) {
-        eprintln!("{} files in {}", done.files.len(), folder.display());
+        writeln!(Stderr, "{} files in {}", done.files.len(), folder.display());
     }
     Ok(done)
 }

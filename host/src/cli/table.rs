@@ -1,6 +1,7 @@
 //! The table of a run over many images: summary.csv, and on stderr.
 
 use serde_json::Value;
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// What is told of each image beside its name, folder and failure: keys of its summary.
@@ -60,13 +61,18 @@ impl Row {
 pub fn write_csv(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "image,folder,{},error", COLUMNS.join(","))?;
     for row in rows {
-        write!(out, "{},{}", quoted(&row.image), quoted(&row.folder))?;
+        write!(out, "{},{}", quoted(&plain(&row.image)), quoted(&plain(&row.folder)))?;
         for column in 0..COLUMNS.len() {
             write!(out, ",{}", quoted(row.value(column)))?;
         }
-        writeln!(out, ",{}", quoted(row.error()))?;
+        writeln!(out, ",{}", quoted(&plain(row.error())))?;
     }
     Ok(())
+}
+
+/// A text, of which the first word is a path, that no spreadsheet takes for a formula.
+fn plain(path: &str) -> Cow<'_, str> {
+    if path.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("./{path}").into() } else { path.into() }
 }
 
 /// A number without the rounding error of its last digits.
@@ -127,6 +133,11 @@ mod tests {
         assert_eq!(lines[1], "\"a,\"\"b\"\".fits\",f,30,20,5,70,rest,1.25,50,0000abcd,");
         assert_eq!(lines[2], "c.fits,f,,,,,,,,,\"no, never\"");
         assert_eq!(lines[0].split(',').count(), lines[2].split(',').count() - 1);
+    }
+
+    #[test]
+    fn names_are_no_formulas() {
+        assert_eq!(["=1+1.fits", "-a", "a=b"].map(plain), ["./=1+1.fits", "./-a", "a=b"]);
     }
 
     #[test]

@@ -4,9 +4,9 @@ use crate::pipeline::{Segmentation, StagePlanes};
 use crate::reference::{Stages, centroids};
 use std::collections::BTreeMap;
 
-/// Difference of two planes.
+/// PlaneDifference of two planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Difference {
+pub struct PlaneDifference {
     /// Name of the stage.
     pub stage: &'static str,
     /// Largest |core - reference|.
@@ -19,7 +19,7 @@ pub struct Difference {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// The stages that both ran, in their order; the front, in units of the paper's u, comes last.
-    pub stages: Vec<Difference>,
+    pub stages: Vec<PlaneDifference>,
     /// Steps of core and reference.
     pub steps: (u32, u32),
     /// Time at which the front stopped, in core and reference.
@@ -64,14 +64,14 @@ pub fn compare(pixels: &[f32], core: &Segmentation, reference: &Stages, unit: f6
     }
 }
 
-fn difference(stage: &'static str, core: &[f32], reference: &[f64], unit: f64) -> Difference {
+fn difference(stage: &'static str, core: &[f32], reference: &[f64], unit: f64) -> PlaneDifference {
     let (mut max, mut squares) = (0.0f64, 0.0);
     for (&a, &b) in core.iter().zip(reference) {
         let difference = (f64::from(a) / unit - b).abs();
         max = max.max(difference);
         squares += difference * difference;
     }
-    Difference { stage, max, rms: (squares / reference.len() as f64).sqrt() }
+    PlaneDifference { stage, max, rms: (squares / reference.len() as f64).sqrt() }
 }
 
 /// For each label of the core (from 0), the source of the reference that shares most pixels with it.

@@ -1,127 +1,119 @@
-//! The core beside the reference: every arithmetic, stage by stage.
+//! The core beside the reference: every arithmetic, step by step.
+//!
+//! Each step is held beside the reference's from the core's own input ([`walk`]): a fault shows where it is made, and
+//! what a step may differ by follows from its own arithmetic, whatever came before and however often a front steps.
+//! The whole runs are compared beside that: there a pixel near u = 0 goes where roundings lead it.
 
 mod compare;
 mod report;
+mod rounding;
 mod settings;
+mod walk;
 
-pub use compare::{Comparison, Difference, compare};
+pub use compare::{Comparison, PlaneDifference, compare};
 pub use report::{json, table};
 pub use settings::parameters;
+pub use walk::{Difference, walk};
 
 use crate::arithmetics::{self, Task, adapted};
 use crate::pipeline::{Drive, segment_in};
 use crate::reference::{ReferenceError, Stages, run};
+use rounding::bit;
 use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::config::{Config, Rescale, Tau};
+use skyfront_core::config::{Config, Edge, Start};
 use skyfront_core::error::Error;
 use skyfront_core::front::Front;
 use thiserror::Error as ThisError;
 
-/// What may differ, at most.
+/// How far a number of the core may lie beyond what [`walk`] explains, at most: the roundings of a step's result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
-    /// Of the normalised image.
+    /// Of the normalised image, and of its two levels in units of their distance.
     pub normalised: f64,
-    /// Of the rescaled and the filtered image.
+    /// Of the rescaled image, and of each step of the filter.
     pub rescaled: f64,
     /// Of the edge detector.
     pub edge: f64,
-    /// Of the front, in units of the paper's u.
+    /// Of each step of the front, in its own unit: the paper's u, or pixels in a band.
     pub front: f64,
-    /// Number of steps.
-    pub steps: u32,
-    /// Pixels of the mask, and pixels with another label.
-    pub pixels: usize,
-    /// Centroids, in pixels.
+    /// Of centroids, in pixels.
     pub centroid: f64,
+    /// Steps that the whole run may take more or fewer than the reference's; not asked by itself.
+    pub steps: Option<u32>,
+    /// Pixels that the masks of the whole runs may differ in; not asked by itself.
+    pub pixels: Option<usize>,
 }
 
 impl Tolerances {
-    /// The tolerances of an arithmetic, by name, for an image of so many pixels.
+    /// Those of an arithmetic, by name, in a configuration.
     ///
-    /// Normalised values are in \[0, 1\] and rounded a few times: to 6e-8 in f32 and q24, to 2^-14 in q11. r1 with
-    /// alpha = 1/4 lifts a rounding next to 0, and r3 with beta = 8 one next to tau, to its fourth or eighth root; the
-    /// edge detector multiplies differences by 5 / (1 - c2) / (M - m) or, for g1, by p/4. |du| <= 5e-4 in f32, 3
-    /// pixels in q24 and 0.2 % of the pixels in q11 are what the project promises: and a source of two pixels that
-    /// loses one has its centroid moved by half a pixel.
-    pub fn of(arithmetic: &str, pixels: usize) -> Tolerances {
-        let exact = Tolerances {
-            normalised: 1e-6,
-            rescaled: 1e-4,
-            edge: 1e-3,
-            front: 5e-4,
-            steps: 0,
-            pixels: 0,
-            centroid: 1e-3,
+    /// A step adds, multiplies and divides numbers up to 1 a few times, each rounded to 2^-24: 2^-21 are eight such
+    /// roundings. A front in a band of B pixels has numbers up to B; the edge detector of `g2mod` is divided by 1 - c2
+    /// at the end. Cells of 16 bits round the image to 2^-16, and a front to half of 2^-11, or 0.7 of it by the bound of
+    /// `q11`'s first-order step.
+    pub fn of(arithmetic: &str, config: &Config) -> Tolerances {
+        let band = f64::from(config.band.unwrap_or(1.0)).max(1.0);
+        let amplified = match config.edge {
+            Edge::G2Mod { c2 } => 1.0 / (1.0 - f64::from(c2)),
+            Edge::G1 { .. } | Edge::G2 => 1.0,
         };
-        match arithmetic {
-            "q24" => {
-                Tolerances { rescaled: 0.12, edge: 0.02, front: 5e-3, steps: 3, pixels: 3, centroid: 0.5, ..exact }
-            }
-            "q11" => Tolerances {
-                normalised: 6.2e-5,
-                rescaled: 0.3,
-                edge: 0.2,
-                front: 0.05,
-                steps: 25,
-                pixels: pixels / 500,
-                centroid: 0.5,
-            },
-            _ => exact,
+        let (image, front) = match arithmetic {
+            "q11" => (bit(16), 0.75 * bit(11)),
+            _ => (0.0, bit(21) * band),
+        };
+        Tolerances {
+            normalised: bit(21) + image,
+            rescaled: bit(21) + image,
+            edge: bit(21) * (1.0 + amplified) + image,
+            front,
+            centroid: 1e-3,
+            steps: None,
+            pixels: None,
         }
     }
 
-    /// The same with more room where r3 takes its threshold from the noise or from a rule that puts it into the flank
-    /// of the sky: thousands of pixels lie next to tau there, where r3 turns a rounding of 1e-7 into 1e-3.
-    fn for_config(self, config: &Config) -> Tolerances {
-        match config.rescale {
-            Rescale::R3 { tau: Tau::Kapur | Tau::Rosin | Tau::Noise { .. }, .. } => {
-                Tolerances { rescaled: self.rescaled * 20.0, edge: self.edge * 20.0, front: self.front * 4.0, ..self }
-            }
-            _ => self,
+    /// That of a step.
+    fn of_step(&self, step: &str) -> f64 {
+        match step {
+            "levels" | "normalised" => self.normalised,
+            "rescaled" | "filtered" => self.rescaled,
+            "gradient" | "g" => self.edge,
+            "u0" | "u" => self.front,
+            "centroids" => self.centroid,
+            // A number of the configuration or of a histogram, in f32.
+            "tau" | "change" => bit(20),
+            // Whole numbers, and times whose roundings are counted where they are compared.
+            _ => 0.0,
         }
     }
 }
 
-/// A comparison with its arithmetic and what it was allowed.
+/// An arithmetic beside the reference.
 #[derive(Clone, Debug)]
 pub struct Check {
     /// Name of the arithmetic.
     pub arithmetic: &'static str,
-    /// The differences.
+    /// Each step beside the reference's from the same input, in the order of the run.
+    pub steps: Vec<Difference>,
+    /// The whole run beside the whole run of the reference, in which roundings add up.
     pub comparison: Comparison,
     /// The tolerances.
     pub tolerances: Tolerances,
 }
 
 impl Check {
-    /// The quantities beyond their tolerance; empty where the check passes.
+    /// The steps beyond their tolerance; empty where the check passes.
     pub fn failures(&self) -> Vec<&'static str> {
         let (c, t) = (&self.comparison, &self.tolerances);
-        let stages = c.stages.iter().filter(|d| {
-            let most = match d.stage {
-                "normalised" => t.normalised,
-                "g" => t.edge,
-                "u" => t.front,
-                _ => t.rescaled,
-            };
-            beyond(d.max, most)
-        });
-        let mut failures: Vec<_> = stages.map(|d| d.stage).collect();
-        let counted = [
-            ("steps", c.steps.0.abs_diff(c.steps.1) > t.steps),
-            ("mask", c.mask_pixels > t.pixels),
-            ("labels", c.label_pixels > t.pixels),
-            ("centroids", beyond(c.centroid_shift, t.centroid)),
+        let beyond = |d: &&Difference| d.beyond.is_nan() || d.beyond > t.of_step(d.step);
+        let mut failures: Vec<_> = self.steps.iter().filter(beyond).map(|d| d.step).collect();
+        let whole = [
+            ("steps", t.steps.is_some_and(|most| c.steps.0.abs_diff(c.steps.1) > most)),
+            ("mask", t.pixels.is_some_and(|most| c.mask_pixels > most)),
         ];
-        failures.extend(counted.iter().filter(|(_, failed)| *failed).map(|(name, _)| *name));
+        failures.extend(whole.iter().filter(|(_, failed)| *failed).map(|(name, _)| *name));
         failures
     }
-}
-
-/// Whether a difference is more than it may be; one that is not a number always is.
-fn beyond(difference: f64, most: f64) -> bool {
-    difference.is_nan() || difference > most
 }
 
 /// Why a check could not be made.
@@ -130,6 +122,9 @@ pub enum CheckError {
     /// The core refused.
     #[error("{0}")]
     Core(Error),
+    /// The reference has nothing to say about the configuration.
+    #[error("{0}")]
+    NoReference(&'static str),
     /// The reference refused.
     #[error("the reference: {0}")]
     Reference(#[from] ReferenceError),
@@ -138,6 +133,19 @@ pub enum CheckError {
 impl From<Error> for CheckError {
     fn from(error: Error) -> Self {
         CheckError::Core(error)
+    }
+}
+
+/// Why the reference has nothing to say about a configuration, if it has not.
+pub fn unheard_of(config: &Config) -> Option<&'static str> {
+    match config {
+        Config { detection: Some(_), .. } => Some(
+            "the reference has no word on the noise-aware segmentation: name a preset with a front, as --preset paper-f160",
+        ),
+        Config { start: Start::Given, .. } => {
+            Some("the reference has no word on a front that starts from a map: leave --start out")
+        }
+        _ => None,
     }
 }
 
@@ -153,6 +161,9 @@ pub fn crosscheck(
     height: usize,
     tolerances: impl Fn(Tolerances) -> Tolerances,
 ) -> Result<Vec<Check>, CheckError> {
+    if let Some(what) = unheard_of(config) {
+        return Err(CheckError::NoReference(what));
+    }
     let mut task = CheckTask { config, pixels, size: (width, height), tolerances, reference: None };
     let checks: Result<Vec<_>, _> = arithmetics::each(&mut task).into_iter().collect();
     Ok(checks?.into_iter().flatten().collect())
@@ -182,12 +193,14 @@ impl<F: Fn(Tolerances) -> Tolerances> Task for CheckTask<'_, F> {
             let wide: Vec<f64> = self.pixels.iter().map(|&v| v.into()).collect();
             self.reference = Some((config, run(&parameters(&config), &wide, width, height)?));
         }
+        let steps = walk::<A>(&config, &parameters(&config), self.pixels, self.size, &mut |_, _| {})?;
         let unit = f64::from(Front::new(&config, width, height).unit);
         let reference = self.reference.as_ref().map(|(_, stages)| stages);
         Ok(reference.map(|stages| Check {
             arithmetic: A::NAME,
+            steps,
             comparison: compare(self.pixels, &core, stages, unit),
-            tolerances: (self.tolerances)(Tolerances::of(A::NAME, self.pixels.len()).for_config(&config)),
+            tolerances: (self.tolerances)(Tolerances::of(A::NAME, &config)),
         }))
     }
 }

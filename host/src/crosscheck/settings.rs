@@ -32,8 +32,8 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Edge::G2Mod { c2 } => r::Edge::G2Mod { c2: decimal(c2) },
         },
         scheme: match config.scheme {
-            // The same equation; the reference solves it by time steps only.
-            c::Scheme::Fd | c::Scheme::FastMarching => r::Scheme::Fd,
+            c::Scheme::Fd => r::Scheme::Fd,
+            c::Scheme::FastMarching => r::Scheme::FastMarching,
             c::Scheme::Sl => r::Scheme::Sl,
             c::Scheme::FdCurvature => r::Scheme::FdCurvature,
             c::Scheme::SlCurvature => r::Scheme::SlCurvature,

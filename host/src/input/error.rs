@@ -24,9 +24,9 @@ pub enum Reason {
         /// The map.
         file: String,
         /// Its columns.
-        width: usize,
+        width: u64,
         /// Its rows.
-        height: usize,
+        height: u64,
         /// Columns of the image.
         image_width: usize,
         /// Rows of the image.

@@ -51,6 +51,20 @@ impl fmt::Display for Given {
 }
 
 impl Maps {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        let given = [
+            self.mask.is_some(),
+            self.background.is_some(),
+            self.weight.is_some(),
+            self.measure.is_some(),
+            self.measure_background.is_some(),
+            self.measure_weight.is_some(),
+            self.start.is_some(),
+        ];
+        given.into_iter().filter(|&given| given).count()
+    }
+
     /// Reads the maps and lays them over an image.
     ///
     /// # Errors
@@ -65,7 +79,8 @@ impl Maps {
         let mut input = Input::alone(name, image);
         if let Some(place) = &self.measure {
             let image = loader.image("measure", "SFMEAS", place)?;
-            input.measured = Some(Observed { name: place.to_string(), image, background: None, noise: None });
+            input.measured =
+                Some(Observed { name: place.to_string(), image, background: None, noise: None, relative: false });
         }
         if let Some(place) = &self.mask {
             let mask = loader.image("mask", "SFMASK", place)?;
@@ -94,7 +109,7 @@ impl Maps {
                 let noise = kind.noise(&loader.plane(wht, wht_key, given)?, &observed.image);
                 remove(&mut observed.image, noise.iter().map(|sigma| sigma.is_nan()));
                 left(&observed.image, given, NO_WEIGHT).map_err(|reason| MapError { option: wht, reason })?;
-                observed.noise = Some(noise);
+                (observed.noise, observed.relative) = (Some(noise), kind.is_relative());
             }
         }
         if let Some((place, margin)) = &self.start {
@@ -139,12 +154,17 @@ impl Loader {
 
 /// Reads a map of the image's size.
 fn sized(place: &Place, (image_width, image_height): (usize, usize)) -> Result<Image, Reason> {
-    let map = place.read()?;
-    let (width, height) = (map.width, map.height);
-    if (width, height) == (image_width, image_height) {
-        Ok(map)
-    } else {
-        Err(Reason::Shape { file: place.to_string(), width, height, image_width, image_height })
+    let mut other = None;
+    let mut admit = |width, height| {
+        other = Some((width, height)).filter(|&size| size != (image_width as u64, image_height as u64));
+        if other.is_none() { Ok(()) } else { Err(String::new()) }
+    };
+    let map = place.read_if(&mut admit);
+    match other {
+        Some((width, height)) => {
+            Err(Reason::Shape { file: place.to_string(), width, height, image_width, image_height })
+        }
+        None => Ok(map?),
     }
 }
 

@@ -26,6 +26,8 @@ pub struct Observed {
     pub background: Option<Vec<f32>>,
     /// Standard deviation of every pixel's noise, in units of the image; NaN where a pixel must not be used.
     pub noise: Option<Vec<f32>>,
+    /// Whether that noise was only scaled to the image: it came as weights.
+    pub relative: bool,
 }
 
 /// What a run works on.
@@ -69,7 +71,7 @@ impl Beside {
 impl Input {
     /// An image alone.
     pub fn alone(name: &str, image: Image) -> Input {
-        let detected = Observed { name: name.to_owned(), image, background: None, noise: None };
+        let detected = Observed { name: name.to_owned(), image, background: None, noise: None, relative: false };
         Input { detected, measured: None, start: None, removed: 0, beside: Vec::new(), reading: Duration::ZERO }
     }
 

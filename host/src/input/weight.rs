@@ -27,10 +27,16 @@ impl WeightType {
         if sigma.is_finite() && sigma > 0.0 { sigma } else { f32::NAN }
     }
 
+    /// Whether the values only say which pixels are noisier than others; those of the other types
+    /// are what they say.
+    pub fn is_relative(self) -> bool {
+        self == WeightType::Weight
+    }
+
     /// The noise of every pixel of an image, in its units; NaN where the map forbids a pixel.
     pub fn noise(self, map: &[f32], image: &Image) -> Vec<f32> {
         let mut noise: Vec<f32> = map.iter().map(|&value| self.sigma(value)).collect();
-        if self == WeightType::Weight {
+        if self.is_relative() {
             let factor = sky_scatter(image, &noise) as f32;
             noise.iter_mut().for_each(|sigma| *sigma *= factor);
         }

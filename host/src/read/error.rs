@@ -68,6 +68,9 @@ pub enum Fault {
         /// Memory for its pixels, in 10^6 bytes.
         megabytes: u64,
     },
+    /// The caller does not want an image of this size.
+    #[error("{0}")]
+    Refused(String),
     /// Data that contradict their own description.
     #[error("corrupt data: {0}; copy or download the file again")]
     Corrupt(String),

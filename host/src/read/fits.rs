@@ -6,10 +6,15 @@ use super::error::{Fault, ReadError};
 use super::hdu::{BLOCK, Hdu, Kind};
 use super::header::Header;
 use super::source::Source;
-use super::{HduChoice, Image, pixels, tiles};
+use super::{Admit, HduChoice, Image, pixels, tiles};
 
 /// Reads the wanted HDU, or the first 2-D image.
-pub(super) fn read(mut source: Source, path: &Path, wanted: Option<&HduChoice>) -> Result<Image, ReadError> {
+pub(super) fn read(
+    mut source: Source,
+    path: &Path,
+    wanted: Option<&HduChoice>,
+    admit: &mut Admit<'_>,
+) -> Result<Image, ReadError> {
     let mut seen = Vec::new();
     let mut primary = Header::default();
     let at = |hdu: Option<usize>| move |fault: Fault| ReadError { file: path.to_owned(), hdu, fault };
@@ -18,7 +23,7 @@ pub(super) fn read(mut source: Source, path: &Path, wanted: Option<&HduChoice>) 
         let next = Hdu::next(&mut source, number).map_err(at((number > 0).then_some(number)))?;
         let Some(hdu) = next else { return Err(at(None)(missing(&seen, wanted))) };
         if is_wanted(&hdu, wanted) {
-            let image = read_hdu(&mut source, hdu).map_err(at(Some(number)))?;
+            let image = read_hdu(&mut source, hdu, admit).map_err(at(Some(number)))?;
             let checksum = source.checksum().map_err(at(None))?;
             return Ok(Image { primary, checksum, ..image });
         }
@@ -39,16 +44,18 @@ fn is_wanted(hdu: &Hdu, wanted: Option<&HduChoice>) -> bool {
     }
 }
 
-fn read_hdu(source: &mut Source, hdu: Hdu) -> Result<Image, Fault> {
+fn read_hdu(source: &mut Source, hdu: Hdu, admit: &mut Admit<'_>) -> Result<Image, Fault> {
     let not_an_image = || Fault::NotTwoDimensional(hdu.words());
     let mut warnings = Vec::new();
     let (bitpix, plane, pixels) = match &hdu.kind {
         Kind::Array(shape) => {
             let plane = shape.plane().ok_or_else(not_an_image)?;
+            admit(plane.0, plane.1).map_err(Fault::Refused)?;
             (shape.bitpix, plane, pixels::read(source, &hdu, shape.bitpix, plane)?)
         }
         Kind::Tiles(shape) => {
             let plane = shape.tiled_plane().ok_or_else(not_an_image)?;
+            admit(plane.0, plane.1).map_err(Fault::Refused)?;
             let (pixels, warning) = tiles::read(source, &hdu, shape.bitpix, plane)?;
             warnings.extend(warning);
             (shape.bitpix, plane, pixels)

@@ -71,7 +71,19 @@ impl Image {
 /// # Errors
 /// [`ReadError`] with the file, the HDU and the reason in one line.
 pub fn image(path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
-    read(Source::open(path), path, hdu)
+    image_if(path, hdu, &mut |_, _| Ok(()))
+}
+
+/// Hears the columns and rows of an image before memory is taken for its pixels, and says in one line why it must not
+/// be read.
+pub type Admit<'a> = dyn FnMut(u64, u64) -> Result<(), String> + 'a;
+
+/// Reads one image from a file, if `admit` has nothing against its size.
+///
+/// # Errors
+/// As for [`image`], and [`Fault::Refused`].
+pub fn image_if(path: &Path, hdu: Option<&HduChoice>, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
+    read(Source::open(path), path, hdu, admit)
 }
 
 /// Reads one image from a stream of bytes, of which there are `length` if that is known; `name` is for messages.
@@ -86,14 +98,19 @@ pub fn stream(
     name: &Path,
     hdu: Option<&HduChoice>,
 ) -> Result<Image, ReadError> {
-    read(Source::new(input, length), name, hdu)
+    read(Source::new(input, length), name, hdu, &mut |_, _| Ok(()))
 }
 
-fn read(source: Result<Source, Fault>, path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
+fn read(
+    source: Result<Source, Fault>,
+    path: &Path,
+    hdu: Option<&HduChoice>,
+    admit: &mut Admit<'_>,
+) -> Result<Image, ReadError> {
     let mut source = source.map_err(|fault| fault.in_file(path))?;
     let head = source.peek().map_err(|fault| fault.in_file(path))?;
     match picture::format(head) {
-        Some(decode) => picture::read(source, path, hdu, decode),
-        None => fits::read(source, path, hdu),
+        Some(decode) => picture::read(source, path, hdu, decode, admit),
+        None => fits::read(source, path, hdu, admit),
     }
 }

@@ -2,13 +2,14 @@
 
 use std::io::Read;
 
+use super::Admit;
 use super::error::Fault;
 use super::picture::Picture;
 use super::pixels;
 use super::source::Source;
 
 /// Reads the picture that starts here; the top row of the picture comes first.
-pub(super) fn read(source: &mut Source) -> Result<Picture, Fault> {
+pub(super) fn read(source: &mut Source, admit: &mut Admit<'_>) -> Result<Picture, Fault> {
     let mut magic = [0; 2];
     source.fill(&mut magic)?;
     let [width, height, white] = [number(source)?, number(source)?, number(source)?];
@@ -23,6 +24,7 @@ pub(super) fn read(source: &mut Source) -> Result<Picture, Fault> {
         return Err(Fault::Truncated { promised, present });
     }
     let plane = (width.into(), height.into());
+    admit(plane.0, plane.1).map_err(Fault::Refused)?;
     let pixels = if text { words(source, plane)? } else { samples(source, plane, size as usize)? };
     Ok(Picture { width: width as usize, height: height as usize, pixels, bitpix: size as i64 * 8 })
 }

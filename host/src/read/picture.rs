@@ -5,7 +5,7 @@ use std::path::Path;
 use super::error::{Fault, ReadError};
 use super::header::Header;
 use super::source::Source;
-use super::{HduChoice, Image, pgm, png};
+use super::{Admit, HduChoice, Image, pgm, png};
 
 /// A decoded picture, top row first.
 pub(super) struct Picture {
@@ -17,7 +17,7 @@ pub(super) struct Picture {
 }
 
 /// A reader of one picture format.
-pub(super) type Decode = fn(&mut Source) -> Result<Picture, Fault>;
+pub(super) type Decode = fn(&mut Source, &mut Admit<'_>) -> Result<Picture, Fault>;
 
 /// The reader for the format that a file begins with, if it is a picture.
 pub(super) fn format(head: &[u8]) -> Option<Decode> {
@@ -34,12 +34,13 @@ pub(super) fn read(
     path: &Path,
     wanted: Option<&HduChoice>,
     decode: Decode,
+    admit: &mut Admit<'_>,
 ) -> Result<Image, ReadError> {
     if let Some(choice) = wanted.filter(|&choice| *choice != HduChoice::Number(0)) {
         let fault = Fault::NoSuchHdu { wanted: choice.to_string(), present: "one picture, which is 0".into() };
         return Err(fault.in_file(path));
     }
-    let mut picture = decode(&mut source).map_err(|fault| fault.in_file(path))?;
+    let mut picture = decode(&mut source, admit).map_err(|fault| fault.in_file(path))?;
     flip(&mut picture.pixels, picture.width);
     Ok(Image {
         width: picture.width,

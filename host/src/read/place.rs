@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use super::{HduChoice, Image, ReadError, image};
+use super::{Admit, HduChoice, Image, ReadError, image_if};
 
 /// Where a map is: a file, and the HDU in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,13 +24,13 @@ impl Place {
         }
     }
 
-    /// Reads the map.
+    /// Reads the map, if `admit` has nothing against its size.
     ///
     /// # Errors
-    /// As [`image`].
-    pub fn read(&self) -> Result<Image, ReadError> {
+    /// As [`image_if`].
+    pub fn read_if(&self, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
         let (file, hdu) = self.parts();
-        image(file, hdu.as_ref())
+        image_if(file, hdu.as_ref(), admit)
     }
 }
 

@@ -4,6 +4,7 @@ use std::io::{Cursor, Read};
 
 use png::{BitDepth, ColorType, Decoder, DecodingError, Limits};
 
+use super::Admit;
 use super::error::Fault;
 use super::picture::Picture;
 use super::pixels;
@@ -14,7 +15,7 @@ const RATIO: u64 = 1032;
 const SLACK: u64 = 1 << 16;
 
 /// Reads the picture that starts here; the top row of the picture comes first.
-pub(super) fn read(source: &mut Source) -> Result<Picture, Fault> {
+pub(super) fn read(source: &mut Source, admit: &mut Admit<'_>) -> Result<Picture, Fault> {
     let mut file = Vec::new();
     source.read_to_end(&mut file).map_err(|error| source.broken(error))?;
     let most = file.len() as u64 * RATIO + SLACK;
@@ -36,6 +37,7 @@ pub(super) fn read(source: &mut Source) -> Result<Picture, Fault> {
     }
     let mut bytes = Vec::new();
     let plane = (width.into(), height.into());
+    admit(plane.0, plane.1).map_err(Fault::Refused)?;
     bytes.try_reserve_exact(promised as usize).map_err(|_| pixels::memory(plane))?;
     bytes.resize(promised as usize, 0);
     reader.next_frame(&mut bytes).map_err(broken)?;

@@ -12,9 +12,17 @@ use super::error::Fault;
 /// Read-ahead on the file. Pixels are asked for in larger pieces, which pass it by.
 const BUFFER: usize = 1 << 15;
 /// The first bytes of a gzip member.
-const GZIP: [u8; 2] = [0x1f, 0x8b];
+const GZIP: &[u8] = &[0x1f, 0x8b];
+/// The first bytes of a bzip2 stream.
+const BZIP2: &[u8] = b"BZh";
 /// Deflate cannot expand a byte to more than this many (zlib's technical notes).
 const DEFLATE_RATIO: u64 = 1032;
+/// Nor can bzip2: a block holds 900 000 bytes, of which five stand for 259 at most, and takes 24 bytes at least.
+const BZIP2_RATIO: u64 = 1 << 21;
+/// No file is unpacked beyond this many bytes, whatever it holds.
+const MOST_UNPACKED: u64 = 1 << 36;
+/// What follows an image is unpacked, to check it, up to this many bytes.
+const CHECKED: u64 = 1 << 30;
 
 /// A file open for one pass from its first byte to its last.
 pub(super) struct Source {
@@ -29,6 +37,57 @@ enum Stream {
     Plain(BufReader<Summed>),
     Gzip(Box<GzDecoder<BufReader<Summed>>>),
     Bzip2(BzDecoder<BufReader<Summed>>),
+}
+
+impl Stream {
+    /// The file below the decompressor.
+    fn raw(&mut self) -> &mut BufReader<Summed> {
+        match self {
+            Stream::Plain(raw) => raw,
+            Stream::Gzip(decoder) => decoder.get_mut(),
+            Stream::Bzip2(decoder) => decoder.get_mut(),
+        }
+    }
+
+    fn into_raw(self) -> BufReader<Summed> {
+        match self {
+            Stream::Plain(raw) => raw,
+            Stream::Gzip(decoder) => decoder.into_inner(),
+            Stream::Bzip2(decoder) => decoder.into_inner(),
+        }
+    }
+
+    /// Goes on with the compressed stream behind the one that has ended, where there is one: both belong to the file
+    /// (RFC 1952, section 2.2).
+    fn next_member(&mut self) -> std::io::Result<bool> {
+        let (first, new): (_, fn(_) -> _) = match self {
+            Stream::Plain(_) => return Ok(false),
+            Stream::Gzip(_) => (GZIP.first(), |raw| Stream::Gzip(Box::new(GzDecoder::new(raw)))),
+            Stream::Bzip2(_) => (BZIP2.first(), |raw| Stream::Bzip2(BzDecoder::new(raw))),
+        };
+        let follows = self.raw().fill_buf()?.first() == first;
+        if follows {
+            let none = BufReader::with_capacity(0, Summed { input: Box::new(std::io::empty()), crc: <_>::default() });
+            *self = new(std::mem::replace(self, Stream::Plain(none)).into_raw());
+        }
+        Ok(follows)
+    }
+}
+
+impl Read for Stream {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        loop {
+            let count = match self {
+                Stream::Plain(raw) => raw.read(buffer),
+                Stream::Gzip(decoder) => decoder.read(buffer),
+                Stream::Bzip2(decoder) => decoder.read(buffer),
+            }?;
+            // A member may be empty.
+            if count > 0 || buffer.is_empty() || !self.next_member()? {
+                return Ok(count);
+            }
+        }
+    }
 }
 
 /// The input below everything else: every byte read from it goes into the checksum.
@@ -60,11 +119,11 @@ impl Source {
     pub(super) fn new(input: Box<dyn Read>, length: Option<u64>) -> Result<Self, Fault> {
         let mut raw = BufReader::with_capacity(BUFFER, Summed { input, crc: crc32fast::Hasher::new() });
         let head = raw.fill_buf()?;
-        let (stream, limit) = if head.starts_with(&GZIP) {
-            let limit = length.map(|bytes| bytes.saturating_mul(DEFLATE_RATIO));
-            (Stream::Gzip(Box::new(GzDecoder::new(raw))), limit)
-        } else if head.starts_with(b"BZh") {
-            (Stream::Bzip2(BzDecoder::new(raw)), None)
+        let unpacked = |ratio: u64| length.map(|bytes| bytes.saturating_mul(ratio).min(MOST_UNPACKED));
+        let (stream, limit) = if head.starts_with(GZIP) {
+            (Stream::Gzip(Box::new(GzDecoder::new(raw))), unpacked(DEFLATE_RATIO))
+        } else if head.starts_with(BZIP2) {
+            (Stream::Bzip2(BzDecoder::new(raw)), unpacked(BZIP2_RATIO))
         } else if let Some(name) = foreign_compression(head) {
             return Err(Fault::Wrapping(format!("is compressed with {name}, which is not read here")));
         } else {
@@ -93,10 +152,7 @@ impl Source {
         let mut filled = 0;
         while filled < buffer.len() {
             match self.read(&mut buffer[filled..]) {
-                Ok(0) => {
-                    self.refuse_second_member()?;
-                    break;
-                }
+                Ok(0) => break,
                 Ok(count) => filled += count,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(self.broken(error)),
@@ -113,30 +169,10 @@ impl Source {
 
     /// Reads the rest of the file and returns the CRC-32 (IEEE) of its bytes as they lie on the disk.
     pub(super) fn checksum(mut self) -> Result<u32, Fault> {
-        self.skip(u64::MAX)?;
-        self.refuse_second_member()?;
-        let raw = self.raw();
-        std::io::copy(raw, &mut std::io::sink())?;
-        Ok(raw.get_ref().crc.clone().finalize())
-    }
-
-    /// Files made of several gzip members are legal but rare, and FITS software disagrees about them: none is better
-    /// than the first one alone, taken for the whole.
-    fn refuse_second_member(&mut self) -> Result<(), Fault> {
-        let gzip = matches!(self.stream, Stream::Gzip(_));
-        if gzip && self.raw().fill_buf()?.starts_with(&GZIP) {
-            return Err(Fault::Wrapping("holds more than one gzip member".into()));
-        }
-        Ok(())
-    }
-
-    /// The file below the decompressor.
-    fn raw(&mut self) -> &mut BufReader<Summed> {
-        match &mut self.stream {
-            Stream::Plain(raw) => raw,
-            Stream::Gzip(decoder) => decoder.get_mut(),
-            Stream::Bzip2(decoder) => decoder.get_mut(),
-        }
+        self.skip(CHECKED)?;
+        let mut raw = self.stream.into_raw();
+        std::io::copy(&mut raw, &mut std::io::sink())?;
+        Ok(raw.into_inner().crc.finalize())
     }
 
     /// A read error told as what it means for this kind of file.
@@ -157,9 +193,7 @@ impl Read for Source {
                 self.ahead.drain(..count).zip(buffer).for_each(|(byte, to)| *to = byte);
                 Ok(count)
             }
-            Stream::Plain(raw) => raw.read(buffer),
-            Stream::Gzip(decoder) => decoder.read(buffer),
-            Stream::Bzip2(decoder) => decoder.read(buffer),
+            stream => stream.read(buffer),
         }?;
         self.position += count as u64;
         Ok(count)

@@ -19,7 +19,7 @@ pub fn gradient_range(slope: &Plane) -> (f64, f64) {
 }
 
 /// g of every |grad I|. A plane of equal gradients has no edge: g2 is 1 there.
-pub(super) fn detector(edge: Edge, slope: &Plane, m: f64, big_m: f64) -> Plane {
+pub fn detector(edge: Edge, slope: &Plane, m: f64, big_m: f64) -> Plane {
     let g2 = |z: f64| {
         if big_m > m { 1.0 - (z - m) / (big_m - m) } else { 1.0 }
     };

@@ -4,21 +4,16 @@ use super::{Diffusivity, Filter, Plane};
 
 /// The filtered image.
 pub(super) fn filter(filter: Filter, dx: f64, image: &Plane) -> Plane {
-    let mut image = image.clone();
+    (0..filter.steps()).fold(image.clone(), |image, _| filter_step(filter, dx, &image))
+}
+
+/// One step of the filter.
+pub fn filter_step(filter: Filter, dx: f64, image: &Plane) -> Plane {
     match filter {
-        Filter::None => {}
-        Filter::Heat { steps, dt } => {
-            for _ in 0..steps {
-                image = heat(&image, dt, dx);
-            }
-        }
-        Filter::PeronaMalik { f, mu, steps, dt } => {
-            for _ in 0..steps {
-                image = perona_malik(&image, f, mu, dt, dx);
-            }
-        }
+        Filter::None => image.clone(),
+        Filter::Heat { dt, .. } => heat(image, dt, dx),
+        Filter::PeronaMalik { f, mu, dt, .. } => perona_malik(image, f, mu, dt, dx),
     }
-    image
 }
 
 /// One step of `schemacal`.

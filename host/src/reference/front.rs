@@ -1,6 +1,6 @@
 //! Step 5: the front from u0 until it stops (`critarr`).
 
-use super::{Parameters, Plane, Scheme, Stop, chan_vese, fd, fd_curvature, fd_filtered, sl, sl_curvature};
+use super::{Parameters, Plane, Scheme, Stop, arrival, chan_vese, fd, fd_curvature, fd_filtered, sl, sl_curvature};
 
 /// What ended an evolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub fn initial(width: usize, height: usize, dx: f64) -> Plane {
 }
 
 /// Half the shorter side of the rectangle that u0 is positive in: the pixels in one unit of u0.
-pub(super) fn half_side(plane: &Plane) -> f64 {
+pub fn half_side(plane: &Plane) -> f64 {
     plane.width().min(plane.height()) as f64 / 2.0 - 2.0
 }
 
@@ -51,9 +51,30 @@ pub fn saturated(u0: &Plane, band: f64) -> Plane {
     u0.map(|v| v.clamp(-band / half, band / half))
 }
 
+/// The band of a front: one pixel on each side for the regions of Chan and Vese.
+fn band_of(p: &Parameters) -> Option<f64> {
+    if p.scheme == Scheme::ChanVese { Some(1.0) } else { p.band }
+}
+
+/// The paper's u0, in the band of the parameters.
+pub fn framed(p: &Parameters, width: usize, height: usize) -> Plane {
+    let u0 = initial(width, height, p.dx);
+    band_of(p).map_or(u0.clone(), |band| saturated(&u0, band))
+}
+
+/// u0 `margin` pixels outside the nodes above `level`, in the band of the parameters.
+pub fn near(p: &Parameters, image: &Plane, level: f64, margin: f64) -> Plane {
+    let near = outside(image, level, margin);
+    match band_of(p) {
+        Some(band) if p.scheme == Scheme::ChanVese => saturated(&near, band),
+        Some(band) => near.map(|v| v.min(band / half_side(&near))),
+        None => near,
+    }
+}
+
 /// u0 near the objects: the distance from `margin` pixels outside the nodes above `level` in steps of 1 and sqrt 2
 /// pixels, at least -1.5 pixels, in the unit of the paper's u0.
-pub(super) fn outside(image: &Plane, level: f64, margin: f64) -> Plane {
+fn outside(image: &Plane, level: f64, margin: f64) -> Plane {
     let half = half_side(image);
     let mut distance = image.map(|v| if v > level { 0.0 } else { f64::INFINITY });
     for _ in 0..(margin + 2.0) as usize {
@@ -67,10 +88,11 @@ pub(super) fn outside(image: &Plane, level: f64, margin: f64) -> Plane {
     distance.map(|d| (margin - d).max(-1.5) / half)
 }
 
-/// One time step of the chosen scheme. Chan and Vese take the image in the place of g.
+/// One time step of the chosen scheme. Chan and Vese take the image in the place of g; times of arrival are those of
+/// `DFg`.
 pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
     match p.scheme {
-        Scheme::Fd => fd::step(p, g, v),
+        Scheme::Fd | Scheme::FastMarching => fd::step(p, g, v),
         Scheme::FdFiltered => fd_filtered::step(p, g, v),
         Scheme::FdCurvature => fd_curvature::step(p, g, v),
         Scheme::Sl => sl::step(p, g, v),
@@ -81,19 +103,18 @@ pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
 
 /// Steps from `u0` until the stopping rule is met or T_max is reached.
 pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
+    if p.scheme == Scheme::FastMarching {
+        return marched(p, g, u0);
+    }
     let mut u = u0.clone();
     let mut changes = Vec::new();
     let mut ended = Ended::TimeLimit;
     for _ in 0..p.max_steps() {
         let next = step(p, g, &u);
-        let (change, crossed) = near_front(p, &u, &next);
+        let (change, crossed) = change(p, &u, &next);
         u = next;
         changes.push(change);
-        let still = match p.stop {
-            Stop::Paper => change <= p.eps,
-            Stop::Rate => change / p.dt <= p.eps && !crossed,
-        };
-        if still {
+        if at_rest(p, change, crossed) {
             ended = Ended::Converged;
             break;
         }
@@ -102,8 +123,26 @@ pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
     Evolution { u, steps, t: f64::from(steps) * p.dt, ended, changes }
 }
 
+/// The front at T_max by times of arrival; its steps are those until the last of them.
+fn marched(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
+    let times = arrival::arrivals(g, u0);
+    let reached = times.values().iter().filter(|time| **time * p.dx <= p.t_max);
+    let latest = reached.fold(0.0f64, |latest, time| latest.max(time * p.dx));
+    let steps = (latest / p.dt) as u32;
+    let t = f64::from(steps) * p.dt;
+    Evolution { u: arrival::front(p, &times), steps, t, ended: Ended::Converged, changes: Vec::new() }
+}
+
+/// Whether a step with this change was the last.
+pub fn at_rest(p: &Parameters, change: f64, crossed: bool) -> bool {
+    match p.stop {
+        Stop::Paper => change <= p.eps,
+        Stop::Rate => change / p.dt <= p.eps && !crossed,
+    }
+}
+
 /// dx^2 times the sum of |v^(n+1) - v^n| over the nodes near the front, and whether one of them changed sign.
-fn near_front(p: &Parameters, old: &Plane, new: &Plane) -> (f64, bool) {
+pub fn change(p: &Parameters, old: &Plane, new: &Plane) -> (f64, bool) {
     let (mut sum, mut crossed) = (0.0, false);
     for (&a, &b) in old.values().iter().zip(new.values()) {
         // Every pixel takes part in the regions of Chan and Vese.

@@ -17,6 +17,7 @@
 //! 8. [`Stop::Rate`] is the rule per unit time; [`Stop::Paper`] is `critarr`.
 //! 9. Every explicit step is held to its CFL bound.
 
+mod arrival;
 mod chan_vese;
 mod edge;
 mod error;
@@ -31,20 +32,25 @@ mod parameters;
 mod plane;
 mod rescale;
 mod segments;
+mod settle;
 mod sl;
 mod sl_curvature;
 mod threshold;
 
-pub use edge::{gradient, gradient_range};
+pub use arrival::{arrivals, soonest};
+pub use edge::{detector, gradient, gradient_range};
 pub use error::ReferenceError;
-pub use front::{Ended, Evolution, evolve, initial, saturated, step};
+pub use filter::filter_step;
+pub use front::{Ended, Evolution, at_rest, change, evolve, framed, half_side, initial, near, saturated, step};
+pub use normalize::{normalize, range};
 pub use otsu::otsu;
 pub use parameters::{
     Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Parameters, Rescale, Scheme, Stop, Tau,
 };
 pub use plane::{Around, Plane};
-pub use rescale::{r1, r2, r3};
+pub use rescale::{r1, r2, r3, rescale, threshold};
 pub use segments::{centroids, label};
+pub use settle::settle;
 pub use threshold::{kapur, noise, rosin};
 
 /// Everything the algorithm computed on its way, row-major with row 0 first.
@@ -91,16 +97,7 @@ pub struct Stages {
 /// # Errors
 /// A parameter out of its bounds, a length that is not width times height, or an image without two different levels.
 pub fn run(parameters: &Parameters, pixels: &[f64], width: usize, height: usize) -> Result<Stages, ReferenceError> {
-    let u0 = initial(width, height, parameters.dx);
-    match band_of(parameters) {
-        Some(band) => run_from(parameters, pixels, saturated(&u0, band)),
-        None => run_from(parameters, pixels, u0),
-    }
-}
-
-/// The band of the front: one pixel on each side for the regions of Chan and Vese.
-fn band_of(p: &Parameters) -> Option<f64> {
-    if p.scheme == Scheme::ChanVese { Some(1.0) } else { p.band }
+    run_from(parameters, pixels, framed(parameters, width, height))
 }
 
 /// [`run`] with the caller's own representation function, whose size is that of the image.
@@ -115,19 +112,20 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
     }
     let p = parameters;
     let defined: Vec<bool> = pixels.iter().map(|v| v.is_finite()).collect();
-    let (normalised, range) = normalize::normalize(p.normalize, pixels, width, height)?;
-    let threshold = |image: &Plane| rescale::threshold(p.rescale, p.tau, image, &defined);
+    let range = range(p.normalize, pixels)?;
+    let normalised = normalize(range, pixels, width, height);
+    let threshold = |image: &Plane| threshold(p.rescale, p.tau, image, &defined);
     let (tau, rescaled, filtered);
     match p.order {
         Order::RescaleFirst => {
             tau = threshold(&normalised);
-            rescaled = rescale::rescale(p.rescale, tau, &normalised);
+            rescaled = rescale(p.rescale, tau, &normalised);
             filtered = filter::filter(p.filter, p.dx, &rescaled);
         }
         Order::FilterFirst => {
             filtered = filter::filter(p.filter, p.dx, &normalised);
             tau = threshold(&filtered);
-            rescaled = rescale::rescale(p.rescale, tau, &filtered);
+            rescaled = rescale(p.rescale, tau, &filtered);
         }
     }
     let last = match p.order {
@@ -138,18 +136,13 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
     let (m, big_m) = gradient_range(&slope);
     let g = match p.scheme {
         Scheme::ChanVese => last.clone(),
-        _ => edge::detector(p.edge, &slope, m, big_m),
+        _ => detector(p.edge, &slope, m, big_m),
     };
     let u0 = match p.start_margin {
         None => u0,
         Some(margin) => {
             let level = tau.unwrap_or_else(|| otsu(last.values().iter().copied()));
-            let near = front::outside(last, level, margin);
-            match band_of(p) {
-                Some(band) if p.scheme == Scheme::ChanVese => saturated(&near, band),
-                Some(band) => near.map(|v| v.min(band / front::half_side(&near))),
-                None => near,
-            }
+            near(p, last, level, margin)
         }
     };
     let Evolution { u, steps, t, ended, changes } = evolve(p, &g, &u0);

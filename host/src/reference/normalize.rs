@@ -2,16 +2,12 @@
 
 use super::{Normalize, Plane, ReferenceError};
 
-/// The normalised image and the two levels that became 0 and 1. Pixels that are not finite take no part in the
-/// levels and are given the median of the others.
-pub(super) fn normalize(
-    how: Normalize,
-    pixels: &[f64],
-    width: usize,
-    height: usize,
-) -> Result<(Plane, (f64, f64)), ReferenceError> {
-    let mut sorted: Vec<f64> = pixels.iter().copied().filter(|v| v.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
+/// The two grey levels that become 0 and 1.
+///
+/// # Errors
+/// No pixel is finite, or the two coincide.
+pub fn range(how: Normalize, pixels: &[f64]) -> Result<(f64, f64), ReferenceError> {
+    let sorted = sorted(pixels);
     let (Some(&min), Some(&max)) = (sorted.first(), sorted.last()) else {
         return Err(ReferenceError::Constant);
     };
@@ -23,16 +19,24 @@ pub(super) fn normalize(
             (level, noise) => (level - below * noise, level + above * noise),
         },
     };
-    if low >= high {
-        return Err(ReferenceError::Constant);
-    }
+    if low < high { Ok((low, high)) } else { Err(ReferenceError::Constant) }
+}
+
+/// The image between two grey levels. Pixels that are not finite are given the median of the others.
+pub fn normalize((low, high): (f64, f64), pixels: &[f64], width: usize, height: usize) -> Plane {
     let level = |v: f64| ((v - low) / (high - low)).clamp(0.0, 1.0);
-    let fill = level(percentile(&sorted, 50.0));
-    let plane = Plane::from_fn(width, height, |i, j| {
+    let fill = level(percentile(&sorted(pixels), 50.0));
+    Plane::from_fn(width, height, |i, j| {
         let v = pixels[j as usize * width + i as usize];
         if v.is_finite() { level(v) } else { fill }
-    });
-    Ok((plane, (low, high)))
+    })
+}
+
+/// The finite pixels in rising order.
+fn sorted(pixels: &[f64]) -> Vec<f64> {
+    let mut sorted: Vec<f64> = pixels.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted
 }
 
 /// Level and noise of the sky among sorted levels: the median, and what the percentile one standard deviation below

@@ -93,6 +93,16 @@ pub enum Filter {
     },
 }
 
+impl Filter {
+    /// Its iterations.
+    pub fn steps(self) -> u32 {
+        match self {
+            Filter::None => 0,
+            Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } => steps,
+        }
+    }
+}
+
 /// Edge detector of step 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Edge {
@@ -125,13 +135,15 @@ pub enum Scheme {
     FdFiltered,
     /// Active contours without edges (T. F. Chan, L. A. Vese 2001, DOI 10.1109/83.902291).
     ChanVese,
+    /// The equation of `DFg` by times of arrival: the front at T_max.
+    FastMarching,
 }
 
 impl Scheme {
     /// The paper's time step: dx/4, dx, dx^2, dx.
     pub fn paper_dt(self, dx: f64) -> f64 {
         match self {
-            Scheme::Fd | Scheme::FdFiltered => dx / 4.0,
+            Scheme::Fd | Scheme::FdFiltered | Scheme::FastMarching => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
             Scheme::ChanVese => 8.0,
@@ -274,7 +286,9 @@ impl Parameters {
             ask(at_most(dt, dx * dx / 4.0), "filter-dt", dt, "at most dx^2/4")?;
         }
         match self.scheme {
-            Scheme::Fd | Scheme::FdCurvature => ask(at_most(self.dt, dx / 2.0), "dt", self.dt, "at most dx/2")?,
+            Scheme::Fd | Scheme::FdCurvature | Scheme::FastMarching => {
+                ask(at_most(self.dt, dx / 2.0), "dt", self.dt, "at most dx/2")?;
+            }
             Scheme::FdFiltered => ask(at_most(self.dt, 0.4 * dx), "dt", self.dt, "at most 2/5 dx")?,
             Scheme::Sl | Scheme::SlCurvature => ask(at_most(self.dt, dx), "dt", self.dt, "at most dx")?,
             Scheme::ChanVese => ask(self.dt > 0.0 && self.dt.is_finite(), "dt", self.dt, "positive")?,

@@ -25,6 +25,12 @@ impl Plane {
         Plane::from_fn(self.width, self.height, |i, j| f(self.at(i, j)))
     }
 
+    /// Gives the node in column i and row j, which is in the plane, another value.
+    pub(super) fn set(&mut self, i: isize, j: isize, value: f64) {
+        let at = self.row(j) + self.column(i);
+        self.values[at] = value;
+    }
+
     /// Columns.
     pub fn width(&self) -> usize {
         self.width

@@ -22,7 +22,7 @@ pub fn r3(x: f64, beta: f64, tau: f64) -> f64 {
 }
 
 /// The threshold that the rescaling needs, if it needs one, from the defined pixels of `image`.
-pub(super) fn threshold(rescale: Rescale, tau: Tau, image: &Plane, defined: &[bool]) -> Option<f64> {
+pub fn threshold(rescale: Rescale, tau: Tau, image: &Plane, defined: &[bool]) -> Option<f64> {
     let levels = image.values().iter().zip(defined).filter(|(_, seen)| **seen).map(|(&v, _)| v);
     matches!(rescale, Rescale::R3 { .. }).then(|| match tau {
         Tau::Value(tau) => tau,
@@ -34,7 +34,7 @@ pub(super) fn threshold(rescale: Rescale, tau: Tau, image: &Plane, defined: &[bo
 }
 
 /// The rescaled image.
-pub(super) fn rescale(rescale: Rescale, tau: Option<f64>, image: &Plane) -> Plane {
+pub fn rescale(rescale: Rescale, tau: Option<f64>, image: &Plane) -> Plane {
     image.map(|x| match (rescale, tau) {
         (Rescale::R1 { alpha }, _) => r1(x, alpha),
         (Rescale::R2 { alpha }, _) => r2(x, alpha),

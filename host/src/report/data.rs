@@ -232,7 +232,7 @@ fn provenance(subject: &Subject<'_>) -> Vec<Value> {
         let value = image.header.text(keyword).or_else(|| image.real(keyword).map(|value| value.to_string()))?;
         Some(json!([keyword, value.trim()]))
     }));
-    let warnings = image.warnings.iter().chain(&run.remark).cloned().chain(subject.catalogue.warnings());
+    let warnings = image.warnings.iter().chain(&run.remarks).cloned().chain(subject.catalogue.warnings());
     list.extend(warnings.map(|warning| json!(["warning", warning])));
     list
 }

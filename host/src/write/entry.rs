@@ -1,6 +1,7 @@
 //! Header entries to be written: keyword, value, comment.
 
 use crate::read::Card;
+use crate::read::header::CARD;
 
 /// A value of a header entry.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,12 +88,49 @@ pub(super) fn fixed_card(keyword: &str, value: &Value, comment: &str) -> Option<
         Value::Real(_) | Value::Text(_) => return None,
     };
     let head = if keyword.len() <= 8 { format!("{keyword:<8}= ") } else { format!("HIERARCH {keyword} = ") };
-    Some(Card::new(&format!("{head}{token:>20} / {}", ascii(comment))))
+    let comment = if comment.is_empty() { String::new() } else { format!(" / {}", ascii(comment)) };
+    Some(Card::new(&format!("{head}{token:>20}{comment}")))
+}
+
+/// The cards of a text: what does not fit in one is continued (FITS standard 4.0, section 4.2.1.2). A comment that
+/// does not fit is cut.
+pub(super) fn text_cards(keyword: &str, text: &str, comment: &str) -> Vec<Card> {
+    const LONGEST: usize = 78; // The rest of a card is for an ampersand and a quote.
+    let head = if keyword.len() <= 8 { format!("{keyword:<8}= '") } else { format!("HIERARCH {keyword} = '") };
+    let quoted = ascii(text).replace('\'', "''");
+    let comment = if comment.is_empty() { String::new() } else { format!(" / {}", ascii(comment)) };
+    if head.len() + quoted.len() < CARD {
+        return vec![Card::new(&format!("{head}{quoted:8}'{comment}"))];
+    }
+    let (mut cards, mut line) = (Vec::new(), head);
+    for letter in ascii(text).chars() {
+        let letter = if letter == '\'' { "''".to_owned() } else { letter.to_string() };
+        if line.len() + letter.len() > LONGEST {
+            cards.push(Card::new(&format!("{line}&'")));
+            "CONTINUE  '".clone_into(&mut line);
+        }
+        line += &letter;
+    }
+    cards.push(Card::new(&format!("{line}'{comment}")));
+    cards
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::Header;
+
+    #[test]
+    fn texts_of_every_length_read_back() {
+        for length in 0..300 {
+            for letter in ["a", "'", "&"] {
+                let text = letter.repeat(length);
+                let header = Header::new(text_cards("KEY", &text, "note"));
+                assert_eq!(header.text("KEY").as_deref(), Some(text.as_str()));
+            }
+        }
+        assert_eq!(text_cards("KEY", &"a".repeat(68), "").len(), 1);
+    }
 
     #[test]
     fn cards_read_back_as_written() {

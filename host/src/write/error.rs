@@ -9,6 +9,9 @@ pub enum WriteError {
     /// The product is there already.
     #[error("{}: exists already; name another output or give --overwrite", .0.display())]
     Exists(PathBuf),
+    /// Another run writes into the same folder.
+    #[error("{}: another run is writing into this folder; wait for its end or name another output", .0.display())]
+    Busy(PathBuf),
     /// The operating system refused.
     #[error("{}: cannot be written: {reason}{}", file.display(), hint(reason))]
     Io {
@@ -16,14 +19,6 @@ pub enum WriteError {
         file: PathBuf,
         /// What the system said. It is part of the line and therefore not given as a source as well.
         reason: std::io::Error,
-    },
-    /// The FITS library refused.
-    #[error("{}: cannot be written: {reason}", file.display())]
-    Fits {
-        /// The product.
-        file: PathBuf,
-        /// What the library said, in one line.
-        reason: String,
     },
 }
 
@@ -38,8 +33,8 @@ impl WriteError {
         let file = product.to_owned();
         match self {
             Self::Exists(_) => Self::Exists(file),
+            Self::Busy(folder) => Self::Busy(folder),
             Self::Io { reason, .. } => Self::Io { file, reason },
-            Self::Fits { reason, .. } => Self::Fits { file, reason },
         }
     }
 }

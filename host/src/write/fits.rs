@@ -1,30 +1,44 @@
-//! FITS images and binary tables, written by cfitsio with the same bytes on every run.
+//! FITS images and binary tables, with checksums, and with the same bytes on every run (FITS standard 4.0).
 
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use super::checksum::Sum;
 use super::entry::{self, Entry, Value};
 use super::error::WriteError;
-use super::native::{Failure, Field, Handle, Native};
+use crate::read::Card;
+
+/// FITS files come in blocks of this many bytes.
+const BLOCK: usize = 2880;
 
 /// A FITS file that is being written: HDUs are appended, [`finish`](Self::finish) completes it.
 pub struct Writer {
-    handle: Handle,
+    out: BufWriter<File>,
     path: PathBuf,
+    begun: bool,
 }
 
 /// A sample type of an image: `i32` (`BITPIX` 32) or `f32` (`BITPIX` -32, NaN = undefined).
-#[allow(private_bounds)]
-pub trait Sample: Native + Default {
+pub trait Sample: Copy + Default {
     /// `BITPIX` in the file.
-    const BITPIX: i32;
+    const BITPIX: i64;
+    /// The bytes in the file.
+    fn bytes(self) -> [u8; 4];
 }
 
 impl Sample for i32 {
-    const BITPIX: i32 = 32;
+    const BITPIX: i64 = 32;
+    fn bytes(self) -> [u8; 4] {
+        self.to_be_bytes()
+    }
 }
 
 impl Sample for f32 {
-    const BITPIX: i32 = -32;
+    const BITPIX: i64 = -32;
+    fn bytes(self) -> [u8; 4] {
+        self.to_be_bytes()
+    }
 }
 
 /// A column of a binary table: one number a row.
@@ -63,6 +77,14 @@ impl ColumnData<'_> {
         }
     }
 
+    /// Bytes of a value.
+    fn size(&self) -> usize {
+        match self {
+            Self::F32(_) | Self::I32(_) => 4,
+            Self::F64(_) | Self::I64(_) => 8,
+        }
+    }
+
     fn len(&self) -> usize {
         match self {
             Self::F32(values) => values.len(),
@@ -71,110 +93,187 @@ impl ColumnData<'_> {
             Self::I64(values) => values.len(),
         }
     }
+
+    /// Appends the value of a row.
+    fn put(&self, row: usize, out: &mut Vec<u8>) {
+        match self {
+            Self::F32(values) => out.extend(values[row].to_be_bytes()),
+            Self::F64(values) => out.extend(values[row].to_be_bytes()),
+            Self::I32(values) => out.extend(values[row].to_be_bytes()),
+            Self::I64(values) => out.extend(values[row].to_be_bytes()),
+        }
+    }
 }
 
-/// Samples that are handed over together, in whole rows: the library copies small pieces into
-/// blocks of 2880 bytes and writes each of them by itself.
-const PIECE: usize = 1 << 16;
+/// Bytes that are handed over together, in whole rows.
+const PIECE: usize = 1 << 18;
 
 impl Writer {
-    /// Creates the file; its name is taken literally and must not exist.
+    /// Opens the file for writing and empties it; its name is taken literally.
     ///
     /// # Errors
-    /// [`WriteError::Fits`] if it cannot be created.
+    /// [`WriteError::Io`] if the system refuses.
     pub fn create(path: &Path) -> Result<Self, WriteError> {
-        let handle = Handle::create(path).map_err(|reason| failure(path, reason))?;
-        Ok(Self { handle, path: path.to_owned() })
+        let file = File::create(path).map_err(|reason| WriteError::io(path, reason))?;
+        Ok(Self { out: BufWriter::with_capacity(PIECE, file), path: path.to_owned(), begun: false })
     }
 
     /// Appends an image HDU (the first one is the primary) whose rows come one by one from `row(y, out)`, row 0 first.
     ///
     /// # Errors
-    /// [`WriteError::Fits`] if the library refuses, for instance on a full disk.
+    /// [`WriteError::Io`] if the system refuses, for instance on a full disk.
     pub fn image<T: Sample>(
         &mut self,
         (width, height): (usize, usize),
         entries: &[Entry],
         mut row: impl FnMut(usize, &mut [T]),
     ) -> Result<(), WriteError> {
-        self.try_do(|handle| {
-            handle.image(T::BITPIX, width, height)?;
-            write_entries(handle, entries)?;
-            let rows = (PIECE / width.max(1)).clamp(1, height.max(1));
-            let mut piece = vec![T::default(); rows * width];
-            for first in (0..height).step_by(rows) {
-                let piece = &mut piece[..rows.min(height - first) * width];
-                (first..).zip(piece.chunks_exact_mut(width)).for_each(|(y, line)| row(y, line));
-                handle.samples((first * width) as i64 + 1, piece)?;
+        let mut cards = self.first_cards("IMAGE", T::BITPIX, &[width, height]);
+        cards.extend(entries.iter().flat_map(cards_of));
+        self.hdu(cards, |data| {
+            let mut line = vec![T::default(); width];
+            let mut bytes = Vec::with_capacity(PIECE);
+            for y in 0..height {
+                row(y, &mut line);
+                bytes.extend(line.iter().flat_map(|sample| sample.bytes()));
+                data.flush_beyond(PIECE / 2, &mut bytes)?;
             }
-            Ok(())
+            data.flush_beyond(0, &mut bytes)
         })
     }
 
     /// Appends a binary table (after an empty primary HDU if it is the first).
     ///
     /// # Errors
-    /// [`WriteError::Fits`] if the columns differ in length or the library refuses.
+    /// [`WriteError::Io`] if the columns differ in length or the system refuses.
     pub fn table(&mut self, name: &str, entries: &[Entry], columns: &[Column<'_>]) -> Result<(), WriteError> {
-        self.try_do(|handle| {
-            let rows = columns.first().map_or(0, |column| column.data.len());
-            if let Some(odd) = columns.iter().find(|column| column.data.len() != rows) {
-                return Err(Failure::Library(format!("column {} has {} rows, not {rows}", odd.name, odd.data.len())));
+        let rows = columns.first().map_or(0, |column| column.data.len());
+        if let Some(odd) = columns.iter().find(|column| column.data.len() != rows) {
+            let text = format!("column {} has {} rows, not {rows}", odd.name, odd.data.len());
+            return Err(WriteError::io(&self.path, io::Error::new(ErrorKind::InvalidInput, text)));
+        }
+        if !self.begun {
+            let cards = self.first_cards("", 8, &[]);
+            self.hdu(cards, |_| Ok(()))?;
+        }
+        let row_bytes = columns.iter().map(|column| column.data.size()).sum();
+        let mut cards = self.first_cards("BINTABLE", 8, &[row_bytes, rows]);
+        cards.push(fixed("TFIELDS", columns.len() as i64));
+        for (number, column) in (1..).zip(columns) {
+            cards.extend(text_cards(&format!("TTYPE{number}"), column.name));
+            cards.extend(text_cards(&format!("TFORM{number}"), column.data.format()));
+            if !column.unit.is_empty() {
+                cards.extend(text_cards(&format!("TUNIT{number}"), column.unit));
             }
-            let fields: Vec<Field<'_>> = columns
-                .iter()
-                .map(|column| Field { name: column.name, format: column.data.format(), unit: column.unit })
-                .collect();
-            handle.table(name, rows, &fields)?;
-            for (number, column) in (1..).zip(columns) {
-                handle.text(&format!("TCOMM{number}"), &entry::ascii(column.description), "")?;
+            cards.extend(text_cards(&format!("TCOMM{number}"), column.description));
+        }
+        cards.extend(text_cards("EXTNAME", name));
+        cards.extend(entries.iter().flat_map(cards_of));
+        self.hdu(cards, |data| {
+            let mut bytes = Vec::with_capacity(PIECE);
+            for row in 0..rows {
+                columns.iter().for_each(|column| column.data.put(row, &mut bytes));
+                data.flush_beyond(PIECE / 2, &mut bytes)?;
             }
-            write_entries(handle, entries)?;
-            (1..).zip(columns).try_for_each(|(number, column)| write_column(handle, number, column.data))
+            data.flush_beyond(0, &mut bytes)
         })
     }
 
     /// Completes the file.
     ///
     /// # Errors
-    /// [`WriteError::Fits`] if the last bytes cannot be written.
-    pub fn finish(self) -> Result<(), WriteError> {
-        let Self { handle, path } = self;
-        handle.close().map_err(|reason| failure(&path, reason))
+    /// [`WriteError::Io`] if the last bytes cannot be written.
+    pub fn finish(mut self) -> Result<(), WriteError> {
+        self.out.flush().map_err(|reason| WriteError::io(&self.path, reason))
     }
 
-    fn try_do(&mut self, work: impl FnOnce(&mut Handle) -> Result<(), Failure>) -> Result<(), WriteError> {
-        work(&mut self.handle).map_err(|reason| failure(&self.path, reason))
+    /// The mandatory cards of the next HDU.
+    fn first_cards(&self, extension: &str, bitpix: i64, axes: &[usize]) -> Vec<Card> {
+        let mut cards = match self.begun {
+            false => vec![fixed("SIMPLE", true)],
+            true => text_cards("XTENSION", extension),
+        };
+        cards.extend([fixed("BITPIX", bitpix), fixed("NAXIS", axes.len() as i64)]);
+        cards.extend((1..).zip(axes).map(|(n, &length)| fixed(&format!("NAXIS{n}"), length as i64)));
+        match self.begun {
+            false => cards.push(fixed("EXTEND", true)),
+            true => cards.extend([fixed("PCOUNT", 0), fixed("GCOUNT", 1)]),
+        }
+        cards
+    }
+
+    /// Writes an HDU: the header with room for the sums, the data, and the header again with the sums.
+    fn hdu(&mut self, cards: Vec<Card>, data: impl FnOnce(&mut Data<'_>) -> io::Result<()>) -> Result<(), WriteError> {
+        self.begun = true;
+        let write = || -> io::Result<()> {
+            let start = self.out.stream_position()?;
+            self.out.write_all(&header(&cards, "0", ZEROS))?;
+            let mut written = Data { out: &mut self.out, sum: Sum::default(), bytes: 0 };
+            data(&mut written)?;
+            written.pad()?;
+            let mut sum = written.sum;
+            let data_sum = sum.value().to_string();
+            sum.add(&header(&cards, &data_sum, ZEROS));
+            self.out.seek(SeekFrom::Start(start))?;
+            self.out.write_all(&header(&cards, &data_sum, &sum.text()))?;
+            self.out.seek(SeekFrom::End(0)).map(|_| ())
+        };
+        write().map_err(|reason| WriteError::io(&self.path, reason))
     }
 }
 
-fn failure(path: &Path, reason: Failure) -> WriteError {
-    match reason {
-        Failure::System(reason) => WriteError::io(path, reason),
-        Failure::Library(reason) => WriteError::Fits { file: path.to_owned(), reason },
+/// The data unit that is being written.
+struct Data<'a> {
+    out: &'a mut BufWriter<File>,
+    sum: Sum,
+    bytes: usize,
+}
+
+impl Data<'_> {
+    /// Writes what has gathered if it is more than `most` bytes; whole words of four.
+    fn flush_beyond(&mut self, most: usize, gathered: &mut Vec<u8>) -> io::Result<()> {
+        if gathered.len() > most {
+            self.sum.add(gathered);
+            self.bytes += gathered.len();
+            self.out.write_all(gathered)?;
+            gathered.clear();
+        }
+        Ok(())
+    }
+
+    fn pad(&mut self) -> io::Result<()> {
+        let rest = self.bytes.next_multiple_of(BLOCK) - self.bytes;
+        self.out.write_all(&vec![0; rest])
     }
 }
 
-fn write_column(handle: &mut Handle, number: usize, data: ColumnData<'_>) -> Result<(), Failure> {
-    if data.len() == 0 {
-        return Ok(());
-    }
-    match data {
-        ColumnData::F32(values) => handle.column(number, values),
-        ColumnData::F64(values) => handle.column(number, values),
-        ColumnData::I32(values) => handle.column(number, values),
-        ColumnData::I64(values) => handle.column(number, values),
-    }
+/// What stands for `CHECKSUM` while it is computed.
+const ZEROS: &str = "0000000000000000";
+
+/// The bytes of a header with the two sums.
+fn header(cards: &[Card], data_sum: &str, checksum: &str) -> Vec<u8> {
+    let sums = [text_cards("CHECKSUM", checksum), text_cards("DATASUM", data_sum), vec![Card::new("END")]];
+    let mut bytes: Vec<u8> = cards.iter().chain(sums.iter().flatten()).flat_map(|card| card.0).collect();
+    bytes.resize(bytes.len().next_multiple_of(BLOCK), b' ');
+    bytes
 }
 
-fn write_entries(handle: &mut Handle, entries: &[Entry]) -> Result<(), Failure> {
-    entries.iter().try_for_each(|entry| match entry {
-        Entry::Copy(card) => handle.card(card.text().trim_end()),
+fn fixed(keyword: &str, value: impl Into<Value>) -> Card {
+    entry::fixed_card(keyword, &value.into(), "").unwrap_or(Card::new(""))
+}
+
+fn text_cards(keyword: &str, text: &str) -> Vec<Card> {
+    entry::text_cards(keyword, text, "")
+}
+
+fn cards_of(entry: &Entry) -> Vec<Card> {
+    match entry {
+        Entry::Copy(card) => vec![Card::new(&card.text())],
         Entry::Key(keyword, value, comment) => match entry::fixed_card(keyword, value, comment) {
-            Some(card) => handle.card(card.text().trim_end()),
-            None => handle.text(keyword, &entry::ascii(&text_of(value)), &entry::ascii(comment)),
+            Some(card) => vec![card],
+            None => entry::text_cards(keyword, &text_of(value), comment),
         },
-    })
+    }
 }
 
 /// Values without a fixed format, as text: strings, and the numbers that FITS has no notation for.
@@ -249,6 +348,17 @@ mod tests {
         assert_eq!(table.read_key::<String>(&mut back, "TUNIT2").unwrap(), "adu");
         assert_eq!(table.read_key::<String>(&mut back, "TCOMM4").unwrap(), "a number");
         assert_eq!(table.read_key::<i64>(&mut back, "NSRC").unwrap(), 2);
+        std::fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn columns_of_two_lengths_are_refused() {
+        let path = std::env::temp_dir().join(format!("skyfront-columns-{}.fits", std::process::id()));
+        let mut file = Writer::create(&path).unwrap();
+        let column = |name, data| Column { name, unit: "", description: "", data };
+        let columns = [column("id", ColumnData::I32(&[1, 2])), column("flux", ColumnData::F64(&[1.5]))];
+        let error = file.table("SOURCES", &[], &columns).unwrap_err().to_string();
+        assert!(error.contains("flux has 1 rows, not 2"), "{error}");
         std::fs::remove_file(path).unwrap();
     }
 }

@@ -3,10 +3,10 @@
 //! [`Products`] gives every product a temporary name beside its final one and renames them all when all are complete.
 //! [`fits`] writes images and tables, [`wcs`] picks the coordinate keywords of the input for them.
 
+mod checksum;
 pub mod entry;
 mod error;
 pub mod fits;
-mod native;
 mod products;
 mod temporaries;
 pub mod wcs;

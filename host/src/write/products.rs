@@ -1,38 +1,58 @@
 //! A set of products that appear together or not at all.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::WriteError;
 use super::temporaries;
 
 /// The files one run will write. Until [`publish`](Self::publish) they exist under temporary names only, beside their
 /// final ones; dropping the set removes them.
+///
+/// Whole files, all or none, hold for every end of this process but one: a kill in the middle of `publish` leaves whole
+/// files of both runs. What a loss of power takes is up to the file system: nothing is flushed to the disk.
 #[derive(Debug)]
 pub struct Products {
     folder: PathBuf,
     overwrite: bool,
-    /// Temporary and final name of every product begun.
-    begun: Vec<(PathBuf, PathBuf)>,
+    /// Every product begun.
+    begun: Vec<Begun>,
+    /// Keeps other runs out of the folder, where its file system has locks.
+    _lock: Option<File>,
+}
+
+/// A product that is not published yet.
+#[derive(Debug)]
+pub(super) struct Begun {
+    /// Where it is.
+    pub(super) temporary: PathBuf,
+    /// Where it will be.
+    pub(super) product: PathBuf,
 }
 
 impl Products {
-    /// Makes the folder if it is absent and checks, before any work is done, that it can be written to and that no
-    /// product exists already.
+    /// Makes the folder if it is absent and checks, before any work is done, that it can be written to, that no other
+    /// run writes into it and that no product exists already. What a killed run left there is removed.
     ///
     /// A name may be a path of its own, relative to `folder` or absolute.
     ///
     /// # Errors
-    /// [`WriteError::Exists`] without `overwrite`, [`WriteError::Io`] if the folder cannot be made or written to.
+    /// [`WriteError::Exists`] without `overwrite`, [`WriteError::Busy`] beside another run, [`WriteError::Io`] if the
+    /// folder cannot be made or written to.
     pub fn plan(folder: &Path, names: &[&str], overwrite: bool) -> Result<Self, WriteError> {
         fs::create_dir_all(folder).map_err(|reason| WriteError::io(folder, reason))?;
-        let products = Self { folder: folder.to_owned(), overwrite, begun: Vec::new() };
+        let lock = lock(folder)?;
+        if lock.is_some() {
+            temporaries::remove_stale(folder);
+        }
+        let products = Self { folder: folder.to_owned(), overwrite, begun: Vec::new(), _lock: lock };
         for name in names {
             products.check(&folder.join(name))?;
         }
-        probe(folder)?;
+        // Whether files can be made here is better known now than after the work.
+        let probe = temporaries::create(folder).map_err(|reason| WriteError::io(folder, reason))?;
+        temporaries::discard(&probe);
         Ok(products)
     }
 
@@ -51,7 +71,7 @@ impl Products {
     {
         self.write_path(name, |temporary| {
             let fill = || -> io::Result<()> {
-                let mut file = BufWriter::with_capacity(1 << 18, File::create_new(temporary)?);
+                let mut file = BufWriter::with_capacity(1 << 18, File::create(temporary)?);
                 write(&mut file)?;
                 file.flush()
             };
@@ -59,7 +79,7 @@ impl Products {
         })
     }
 
-    /// Writes one product by a function that creates the file of the given name itself.
+    /// Writes one product by a function that opens the file of the given name, which is there and empty.
     ///
     /// # Errors
     /// What `write` returns, told of the product's final name.
@@ -69,25 +89,21 @@ impl Products {
     {
         let product = self.path(name);
         self.check(&product)?;
-        let temporary = temporary(&product);
-        temporaries::add(temporary.clone());
-        self.begun.push((temporary.clone(), product.clone()));
+        let folder = product.parent().unwrap_or(&self.folder);
+        let temporary = temporaries::create(folder).map_err(|reason| WriteError::io(&product, reason))?;
+        self.begun.push(Begun { temporary: temporary.clone(), product: product.clone() });
         write(&temporary).map_err(|error| error.about(&product))
     }
 
-    /// Gives every product its final name. Returns the names in the order of writing.
+    /// Gives every product its final name. Returns the names in the order of writing. An interrupt waits until all
+    /// have theirs.
     ///
     /// # Errors
-    /// The first product that could not be renamed; those before it stay, the others are removed.
+    /// The first product that could not be renamed; then all is as it was before, where the file system has links.
     pub fn publish(mut self) -> Result<Vec<PathBuf>, WriteError> {
-        let mut names = Vec::new();
-        for (temporary, product) in &self.begun {
-            self.check(product)?;
-            temporaries::publish(temporary, product).map_err(|reason| WriteError::io(product, reason))?;
-            names.push(product.clone());
-        }
-        self.begun.clear();
-        Ok(names)
+        self.begun.iter().try_for_each(|begun| self.check(&begun.product))?;
+        temporaries::publish(&self.begun).map_err(|(product, reason)| WriteError::io(&product, reason))?;
+        Ok(self.begun.drain(..).map(|begun| begun.product).collect())
     }
 
     fn check(&self, product: &Path) -> Result<(), WriteError> {
@@ -101,26 +117,18 @@ impl Products {
 
 impl Drop for Products {
     fn drop(&mut self) {
-        for (temporary, _) in &self.begun {
-            temporaries::discard(temporary);
-        }
+        self.begun.iter().for_each(|begun| temporaries::discard(&begun.temporary));
     }
 }
 
-/// A name in the product's own folder that no other product of this or another process uses.
-fn temporary(product: &Path) -> PathBuf {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    product.with_file_name(format!(".skyfront-{}-{count}.part", std::process::id()))
-}
-
-/// Whether files can be made in the folder: better known now than after the work.
-fn probe(folder: &Path) -> Result<(), WriteError> {
-    let file = temporary(&folder.join("probe"));
-    temporaries::add(file.clone());
-    let made = File::create_new(&file).map_err(|reason| WriteError::io(folder, reason));
-    temporaries::discard(&file);
-    made.map(|_| ())
+/// Locks a folder for this process; `None` where folders or their file system have no locks.
+fn lock(folder: &Path) -> Result<Option<File>, WriteError> {
+    let Ok(handle) = File::open(folder) else { return Ok(None) };
+    match handle.try_lock() {
+        Ok(()) => Ok(Some(handle)),
+        Err(TryLockError::WouldBlock) => Err(WriteError::Busy(folder.to_owned())),
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
 }
 
 #[cfg(test)]
@@ -177,6 +185,38 @@ mod tests {
         assert_eq!(fs::read(folder.join("a.txt")).unwrap(), b"old");
         products.publish().unwrap();
         assert_eq!(fs::read(folder.join("a.txt")).unwrap(), b"new");
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn one_folder_has_one_writer_and_nothing_stale() {
+        let folder = folder("locked");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join(".skyfront-left.part"), "by a killed run").unwrap();
+        fs::write(folder.join(".skyfront-notes"), "mine").unwrap();
+        let first = Products::plan(&folder, &["a.txt"], false).unwrap();
+        assert_eq!(entries(&folder), [".skyfront-notes"]);
+        let error = Products::plan(&folder, &["b.txt"], false).unwrap_err().to_string();
+        assert!(error.contains("another run"), "{error}");
+        drop(first);
+        Products::plan(&folder, &["b.txt"], false).unwrap();
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn what_cannot_be_published_whole_leaves_all_as_it_was() {
+        let folder = folder("whole");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("a.txt"), "old").unwrap();
+        let mut products = Products::plan(&folder, &["a.txt", "b.txt", "c.txt"], true).unwrap();
+        for name in ["a.txt", "b.txt", "c.txt"] {
+            products.write(name, |out| out.write_all(b"new")).unwrap();
+        }
+        fs::remove_file(&products.begun[2].temporary).unwrap();
+        let error = products.publish().unwrap_err().to_string();
+        assert!(error.contains("c.txt"), "{error}");
+        assert_eq!(entries(&folder), ["a.txt"]);
+        assert_eq!(fs::read(folder.join("a.txt")).unwrap(), b"old");
         fs::remove_dir_all(folder).unwrap();
     }
 

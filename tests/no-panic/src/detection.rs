@@ -4,7 +4,7 @@ use skyfront_core::arithmetic::Fixed14;
 use skyfront_core::detect::{self, Found, Known, Workspace};
 use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
-use skyfront_core::sky::{self, Mesh, Sky};
+use skyfront_core::sky::{self, Mesh, Seen, Sky, Survey, Values};
 use skyfront_core::sort::Keys;
 
 #[unsafe(export_name = "detect_f32")]
@@ -18,9 +18,11 @@ fn in_q24(pixels: &[f32], width: usize, known: &Known<'_>, setting: &Detection, 
 }
 
 #[unsafe(export_name = "sky")]
-fn measure(pixels: &[f32], masked: &[f32], size: (usize, usize), cells: &mut [Sky], keys: Keys<'_>, at: (usize, usize)) -> Sky {
-    let sky = |at: usize| masked.get(at).is_none_or(|&mask| mask <= 0.0);
-    Mesh::measure(pixels, sky, size, cells, keys).at(at.0, at.1)
+fn measure(pixels: &[f32], seen: &[Seen], size: (usize, usize), cells: &mut [Sky], mut keys: Keys<'_>, at: (usize, usize)) -> (Survey, Sky) {
+    let values = Values::measure(pixels, size.0, |_| true, keys.again());
+    let mut mesh = Mesh::blank(cells, size);
+    let survey = mesh.measure(pixels, |at| seen.get(at).copied().unwrap_or(Seen::Sky), &values, keys);
+    (survey, mesh.at(at.0, at.1))
 }
 
 #[unsafe(export_name = "detection_room")]

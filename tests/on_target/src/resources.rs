@@ -1,8 +1,8 @@
 //! What the core needs on a processor with and one without an FPU, and the gate against growth.
 //!
-//! `tests/resources.txt` is the table: lines `size MACHINE PROGRAM WHAT BYTES` and
+//! `host/src/cli/resources.txt` is the table: lines `size MACHINE PROGRAM WHAT BYTES` and
 //! `cost MACHINE ARITHMETIC STAGE VARIANT INSTRUCTIONS`, the instructions those of a pixel in the costliest pass
-//! (variants: [`skyfront_core::budget::variant`]). The README's tables are made from it.
+//! (variants: [`skyfront_core::budget::variant`]). The tables of core/doc/on-board.md are made from it.
 
 use crate::machines::{MEASURED, Machine};
 use crate::report::Report;
@@ -89,7 +89,7 @@ fn painted(report: &Report) -> Result<u64> {
 
 /// The stored table.
 fn stored() -> PathBuf {
-    build::folder().join("../resources.txt")
+    build::folder().join("../../host/src/cli/resources.txt")
 }
 
 /// One line for everything that has grown by more than the tolerance, or is in one table only.
@@ -122,10 +122,10 @@ fn parse(text: &str) -> Result<Table> {
         .collect()
 }
 
-/// Stores the table and writes it into the README.
+/// Stores the table and writes it into core/doc/on-board.md.
 ///
 /// # Errors
-/// When a file cannot be written, or the README has no place for it.
+/// When a file cannot be written, or the page has no place for it.
 pub fn store(table: &Table) -> Result<()> {
     let mut text = format!(
         "# By `cargo run --release -p skyfront-on-target -- resources --store`; {}.\n\
@@ -134,12 +134,12 @@ pub fn store(table: &Table) -> Result<()> {
     );
     table.iter().for_each(|(name, value)| text += &format!("{name} {value}\n"));
     std::fs::write(stored(), text)?;
-    let readme = build::folder().join("../../README.md");
-    let old = std::fs::read_to_string(&readme)?;
+    let page = build::folder().join("../../core/doc/on-board.md");
+    let old = std::fs::read_to_string(&page)?;
     let (begin, end) = ("<!-- resources: begin -->\n", "<!-- resources: end -->");
-    let (before, rest) = old.split_once(begin).context("the README has no place for the table")?;
-    let (_, after) = rest.split_once(end).context("the README's table has no end")?;
-    std::fs::write(&readme, format!("{before}{begin}{}{end}{after}", tables::markdown(table)))?;
+    let (before, rest) = old.split_once(begin).context("core/doc/on-board.md has no place for the table")?;
+    let (_, after) = rest.split_once(end).context("the table in core/doc/on-board.md has no end")?;
+    std::fs::write(&page, format!("{before}{begin}{}{end}{after}", tables::markdown(table)))?;
     Ok(())
 }
 

@@ -1,4 +1,4 @@
-//! Order of convergence of the schemes that move a front without curvature, measured and kept as a table in the README.
+//! Order of convergence of the schemes that move a front without curvature, measured and kept as a table in host/doc/front.md.
 //!
 //! A circle of radius 2 grows until t = 1, at speed 1 or at g = 1 / (1 + r/2). u0 is the time s(r) - s(2) at which the
 //! front arrives from there, s(r) the integral of 1/g, so that u = s(r) - s(2) - t away from the middle. The mean error
@@ -12,7 +12,7 @@ use skyfront_tests::evolve::Front;
 use std::fmt::Write;
 use std::ops::Range;
 
-const README: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md");
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../host/doc/front.md");
 const BEGIN: &str = "<!-- convergence: made by tests/tests/all/convergence.rs -->\n";
 const END: &str = "<!-- end of convergence -->";
 const GRIDS: [usize; 4] = [51, 101, 201, 401];
@@ -105,13 +105,13 @@ fn every_scheme_converges_at_its_order() {
         before = Some(errors);
     }
     println!("{table}");
-    let readme = std::fs::read_to_string(README).expect("README.md");
-    let (head, rest) = readme.split_once(BEGIN).expect("the place of the table in README.md");
-    let (kept, tail) = rest.split_once(END).expect("the end of the table in README.md");
+    let page = std::fs::read_to_string(PAGE).expect("host/doc/front.md");
+    let (head, rest) = page.split_once(BEGIN).expect("the place of the table in host/doc/front.md");
+    let (kept, tail) = rest.split_once(END).expect("the end of the table in host/doc/front.md");
     if std::env::var("CONVERGENCE").as_deref() == Ok("write") {
-        std::fs::write(README, format!("{head}{BEGIN}{table}{END}{tail}")).expect("README.md can be written");
+        std::fs::write(PAGE, format!("{head}{BEGIN}{table}{END}{tail}")).expect("the page can be written");
     } else {
-        assert_eq!(kept, table, "the table in README.md");
+        assert_eq!(kept, table, "the table in host/doc/front.md");
     }
 }
 

@@ -43,7 +43,7 @@ fn dumped_settings_give_the_same_settings_again() {
         &[],
         &["--preset", "paper-f160"],
         &["--preset", "paper-real", "--pm-mu", "2", "--hdu", "SCI,2", "--no-pictures"],
-        &["--outline", "front", "--tau", "0.25", "--normalize", "percentile", "--range", "1,99.5"],
+        &["--method", "rescaling", "--tau", "0.25", "--normalize", "percentile", "--range", "1,99.5"],
         &["--preset", "paper-f160", "--scheme", "sl-curvature", "--nu", "1e-5", "--start", "map.fits", "--margin", "7"],
         &["--threshold", "1.5", "--connectivity", "4", "--deblend-contrast", "0.01", "--min-area", "9"],
         &["--preset", "paper-f160", "--rescale", "r2", "--alpha", "0.3", "--edge", "g1", "--p", "10", "--jobs", "3"],

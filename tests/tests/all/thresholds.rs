@@ -1,5 +1,6 @@
 //! Automatic thresholds: against exhaustive searches by their definitions, known answers, and skies.
 
+use skyfront::crosscheck::parameters;
 use skyfront::pipeline::{Drive, Segmentation, segment, segment_in};
 use skyfront::reference;
 use skyfront_core::arithmetic::{F32, Q11, Q24};
@@ -7,6 +8,7 @@ use skyfront_core::config::{Config, Normalize, Order, Rescale, Tau};
 use skyfront_core::frame::Frame;
 use skyfront_core::otsu::{BINS, Histogram};
 use skyfront_core::simulate::{Kind, Sky};
+use skyfront_tests::runs::sky;
 
 /// Histograms of every shape: dense, sparse, narrow, with one bin and none.
 fn histograms() -> Vec<[u32; BINS]> {
@@ -146,6 +148,31 @@ fn a_threshold_in_noise_units_keeps_its_false_alarms() {
         let share = image.iter().filter(|&&v| v > tau).count() as f64 / (SIDE * SIDE) as f64;
         let tail = 0.022_75;
         assert!((share / tail - 1.0).abs() < 0.06, "{order:?}: {share} of the pixels, not {tail}");
+    }
+}
+
+/// A given threshold is the one that is used: each its own mask, and that of the f64 reference.
+#[test]
+fn a_given_threshold_is_used() {
+    use skyfront_core::config::{Edge, Scheme};
+    const SIDE: usize = 64;
+    for (kind, seed) in [(Kind::Bright, 3), (Kind::Noisy, 4), (Kind::Stars, 5)] {
+        let pixels = sky(kind, seed, SIDE, SIDE);
+        let wide: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
+        for scheme in [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature] {
+            for edge in [Edge::G1 { p: 5000.0 }, Edge::G2Mod { c2: 0.8 }] {
+                let masks = [0.05, 0.1, 0.2, 0.5].map(|tau| {
+                    let rescale = Rescale::R3 { beta: 8, tau: Tau::Value(tau) };
+                    let config = Config { rescale, edge, ..Config::PAPER_F160 }.with_scheme(scheme);
+                    let run = segment(&config, &pixels, SIDE, SIDE, &mut Drive::default()).expect("a sky");
+                    assert_eq!(run.outcome.tau, tau);
+                    let truth = reference::run(&parameters(&config), &wide, SIDE, SIDE).expect("a sky");
+                    assert_eq!(run.labels, truth.labels, "{kind:?}, {scheme:?}, {edge:?}, tau = {tau}");
+                    truth.mask
+                });
+                assert!(masks.windows(2).any(|pair| pair[0] != pair[1]), "{kind:?}, {scheme:?}, {edge:?}: one mask");
+            }
+        }
     }
 }
 

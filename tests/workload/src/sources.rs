@@ -65,6 +65,6 @@ impl<L: Level> Room<L> {
 }
 
 fn found_digest(found: &Found) -> u32 {
-    let Found { sources, mask_pixels, unlabelled, significance, photon } = *found;
+    let Found { sources, mask_pixels, unlabelled, significance, photon, .. } = *found;
     words([sources, mask_pixels, unlabelled, significance.to_bits(), photon.to_bits()].into_iter())
 }

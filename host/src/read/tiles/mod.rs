@@ -19,6 +19,7 @@ use super::hdu::Hdu;
 use super::header::Header;
 use super::pixels::{self, Scaling};
 use super::source::Source;
+use crate::planes::can_be_had;
 use bits::Exhausted;
 use hcompress::Broken;
 use quantize::Method;
@@ -29,6 +30,9 @@ const FREE_PIXELS: u128 = 1 << 22;
 /// ... and beyond that a byte can stand for so many pixels at most: the longest run that PLIO writes in one byte, twice
 /// what gzip reaches.
 const PIXELS_PER_BYTE: u128 = 2048;
+
+/// What a pixel of a tile takes while it is decoded: bytes as they come and in order, a wide number, a value.
+const TILE_BYTES: u64 = 32;
 
 /// How the tiles of an image are to be decoded.
 struct Recipe {
@@ -83,6 +87,9 @@ pub(super) fn read(
     }
     let mut pixels = Vec::new();
     pixels.try_reserve_exact(width * height).map_err(|_| pixels::memory(plane))?;
+    if !can_be_had((grid.tile.0 * grid.tile.1) as u64 * TILE_BYTES) {
+        return Err(pixels::memory(plane));
+    }
     pixels.resize(width * height, f32::NAN);
     let mut tile = Vec::new();
     for number in 0..grid.tiles() {
@@ -205,11 +212,25 @@ impl Recipe {
         }
         if let Some(piece) = table.piece("GZIP_COMPRESSED_DATA", number)? {
             let bytes = gunzip(piece.bytes, count).map_err(corrupt)?;
-            return raw(&bytes, count, self.bitpix < 0).map_err(corrupt);
+            return raw(&bytes, count, self.bitpix < 0, self.sizes(self.bitpix < 0)).map_err(corrupt);
         }
         match table.piece("UNCOMPRESSED_DATA", number)? {
-            Some(piece) => raw(piece.bytes, count, matches!(piece.element, b'E' | b'D')).map_err(corrupt),
+            Some(piece) => {
+                raw(piece.bytes, count, matches!(piece.element, b'E' | b'D'), &[1, 2, 4, 8]).map_err(corrupt)
+            }
             None => Err(corrupt("holds no data")),
+        }
+    }
+
+    /// The bytes that a value can have before compression.
+    fn sizes(&self, floats: bool) -> &'static [usize] {
+        match self.bitpix {
+            _ if floats => &[4, 8],
+            8 => &[1],
+            16 => &[2],
+            32 => &[4],
+            64 => &[8],
+            _ => &[1, 2, 4],
         }
     }
 
@@ -224,9 +245,9 @@ impl Recipe {
                 if *shuffled {
                     bytes = unshuffle(&bytes, count);
                 }
-                return raw(&bytes, count, floats);
+                return raw(&bytes, count, floats, self.sizes(floats));
             }
-            Coding::None => return raw(piece.bytes, count, floats),
+            Coding::None => return raw(piece.bytes, count, floats, self.sizes(floats)),
             Coding::Rice { bytes, block } => {
                 rice::decode(piece.bytes, *bytes, *block, &mut integers).map_err(|Exhausted| SHORT)?;
             }
@@ -271,18 +292,20 @@ fn gunzip(bytes: &[u8], count: usize) -> Result<Vec<u8>, &'static str> {
     Ok(out)
 }
 
-/// Brings the bytes of each value together again: all first bytes stand first, then all second ones.
+/// Brings the bytes of each value together again: all first bytes stand first, then all second ones. What is left over
+/// stays at the end.
 fn unshuffle(bytes: &[u8], count: usize) -> Vec<u8> {
     let size = bytes.len() / count;
-    (0..count * size).map(|n| bytes[n % size * count + n / size]).collect()
+    let (shuffled, rest) = bytes.split_at(count * size);
+    (0..shuffled.len()).map(|n| shuffled[n % size * count + n / size]).chain(rest.iter().copied()).collect()
 }
 
-/// Big-endian values, whose size follows from their number.
-fn raw(bytes: &[u8], count: usize, floats: bool) -> Result<Values, &'static str> {
+/// Big-endian values of one of these sizes, which follows from their number.
+fn raw(bytes: &[u8], count: usize, floats: bool, sizes: &[usize]) -> Result<Values, &'static str> {
     fn all<const N: usize, T>(bytes: &[u8], value: impl Fn([u8; N]) -> T) -> Vec<T> {
         bytes.as_chunks::<N>().0.iter().map(|chunk| value(*chunk)).collect()
     }
-    let exact = bytes.len() == count * (bytes.len() / count);
+    let exact = sizes.iter().any(|size| bytes.len() == count * size);
     match (bytes.len() / count, floats) {
         (4, true) if exact => Ok(Values::Reals(all(bytes, |b| f32::from_be_bytes(b).into()))),
         (8, true) if exact => Ok(Values::Reals(all(bytes, f64::from_be_bytes))),

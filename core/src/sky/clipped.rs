@@ -1,0 +1,235 @@
+//! The sky of one cell: a clipped estimate of level and noise from its sorted values.
+
+use super::{Sky, Values};
+use crate::arithmetic::{Level, Real};
+use crate::sort::{median, ranked};
+
+/// The fewest pixels of sky that a cell is measured on: a quarter of a window of 8 x 8.
+pub const LEAST_PIXELS: usize = 16;
+
+/// Values so many standard deviations from the sky are clipped.
+const CLIP: f32 = 3.0;
+/// The same where the sky is cut off below: what is left of its noise has a long upper tail.
+const CLIP_PILED: f32 = 5.0;
+/// At least so many steps around the sky are kept.
+const CLIP_STEPS: f32 = 1.5;
+/// What clipping at three standard deviations takes from the noise.
+const CLIPPED_AWAY: f32 = 1.015;
+/// Noise below so many steps is coarse: ranks say where the steps are, the mean where the sky is.
+const COARSE: f32 = 1.0;
+/// A cell is cut off below where one in so many of its pixels has the least value.
+const PILE_SHARE: usize = 10;
+/// Standard deviation of a uniform distribution of width 1 (W. F. Sheppard 1898): `1 / sqrt(12)`.
+const UNIFORM: f32 = 0.288_675_13;
+/// From the distance between median and quartile to the standard deviation of a normal distribution.
+const FROM_QUARTILE: f32 = 1.4826;
+/// Rounds of clipping.
+const ROUNDS: u32 = 10;
+
+/// The sky among sorted keys of the values of a cell.
+///
+/// Clipped until nothing more is clipped (at most ten times), the level is the mode `2.5 median -
+/// 1.5 mean`, or the median where the distribution is skew (Bertin and Arnouts 1996,
+/// doi:10.1051/aas:1996164). Where the noise is coarse beside the step of the values, or the sky is cut
+/// off below, it is the mean, which is what smoothing makes of such pixels. The noise is at least that of the step, `step / sqrt(12)`, and what the numbers resolve. Cost: about
+/// eight looks at each value.
+pub fn clipped(sorted: &[u32], values: &Values) -> Sky {
+    if sorted.len() < LEAST_PIXELS {
+        return Sky::UNKNOWN;
+    }
+    let step = clump_step(sorted, values.step);
+    let piled = runs_below(sorted) * PILE_SHARE >= sorted.len();
+    let least = values.resolution.greatest(step * UNIFORM);
+    let coarse = |noise: f32| piled || noise < COARSE * step;
+    let reach = if piled { CLIP_PILED } else { CLIP };
+    let (mut kept, mut centre) = (sorted, quantile(sorted, 2, step));
+    let mut noise = start(sorted, centre, step, piled).greatest(least);
+    let (mut mean, mut middle) = (centre, centre);
+    for _ in 0..ROUNDS {
+        let inside = within(kept, centre, (reach * noise).greatest(CLIP_STEPS * step));
+        if inside.len() < LEAST_PIXELS / 2 {
+            break;
+        }
+        let over = inside.len() == kept.len();
+        let moments = Moments::of(inside);
+        (kept, mean, middle) = (inside, moments.mean, quantile(inside, 2, step));
+        noise = (moments.deviation * CLIPPED_AWAY).greatest(least);
+        centre = if coarse(noise) { mean } else { middle };
+        if over {
+            break;
+        }
+    }
+    let is_skew = (mean - middle).magnitude() >= 0.3 * noise;
+    let level = match (coarse(noise), is_skew) {
+        (true, _) => mean,
+        (false, true) => middle,
+        (false, false) => 2.5 * middle - 1.5 * mean,
+    };
+    Sky { level, noise }
+}
+
+/// How many of sorted keys equal the first.
+fn runs_below(sorted: &[u32]) -> usize {
+    sorted.chunk_by(|a, b| a == b).next().map_or(0, <[u32]>::len)
+}
+
+/// The noise to begin with: half of the values lie within 0.6745 standard deviations, and the lower
+/// half knows little of sources. Where the sky is cut off below, the upper half may know more, or
+/// where that is cut off too, half of what is left.
+fn start(sorted: &[u32], centre: f32, step: f32, piled: bool) -> f32 {
+    let lower = centre - quantile(sorted, 4, step);
+    if !piled {
+        return FROM_QUARTILE * lower;
+    }
+    let upper = at_rank(sorted, sorted.len() - 1 - sorted.len() / 4, step) - centre;
+    let left = sorted.get(runs_below(sorted)..).unwrap_or(&[]);
+    let above = if left.is_empty() { 0.0 } else { median::<f32>(left) - ranked::<f32>(sorted, 0) - step };
+    FROM_QUARTILE * lower.greatest(upper).greatest(above)
+}
+
+/// The value below which one in `parts` of the sorted values lies.
+fn quantile(sorted: &[u32], parts: usize, step: f32) -> f32 {
+    at_rank(sorted, sorted.len() / parts.max(1), step)
+}
+
+/// The value of a rank, the values of a clump being spread evenly over a step.
+fn at_rank(sorted: &[u32], rank: usize, step: f32) -> f32 {
+    let Some(value) = sorted.get(rank).map(|&key| f32::of_key(key)) else { return 0.0 };
+    let (low, high) = (value - step / 3.0, value + step / 3.0);
+    let first = sorted.partition_point(|&key| f32::of_key(key) < low);
+    let end = sorted.partition_point(|&key| f32::of_key(key) <= high);
+    let part = (rank.saturating_sub(first) as f32 + 0.5) / end.saturating_sub(first).max(1) as f32;
+    value + step * (part - 0.5)
+}
+
+/// The sorted keys whose values are at most `distance` from `centre`.
+fn within(sorted: &[u32], centre: f32, distance: f32) -> &[u32] {
+    let near = |&key: &u32| (f32::of_key(key) - centre).magnitude() <= distance;
+    let first = sorted.iter().position(near).unwrap_or(sorted.len());
+    let end = sorted.iter().rposition(near).map_or(first, |last| last + 1);
+    sorted.get(first..end).unwrap_or(&[])
+}
+
+/// Mean and standard deviation, from sums in rising order.
+struct Moments {
+    mean: f32,
+    deviation: f32,
+}
+
+impl Moments {
+    fn of(sorted: &[u32]) -> Moments {
+        let values = || sorted.iter().map(|&key| f64::from(f32::of_key(key)));
+        let count = sorted.len().max(1) as f64;
+        let mean = values().sum::<f64>() / count;
+        let squares: f64 = values().map(|value| (value - mean) * (value - mean)).sum();
+        Moments { mean: mean as f32, deviation: libm::sqrt(squares / count) as f32 }
+    }
+}
+
+/// The fewest values in which clumps are looked for.
+const CLUMPS_FROM: usize = 200;
+/// One in so many of the values is more than lies between two clumps.
+const CLUMP_SHARE: usize = 50;
+
+/// The step around which the values clump, where it is wider than the least one of the frame: a
+/// flat field or a few pixels between the steps hide it there. It is the widest interval, tails
+/// left out, that few values bridge, if most values beyond the middle clump lie near a multiple of it.
+fn clump_step(sorted: &[u32], step: f32) -> f32 {
+    let count = sorted.len();
+    let inner = sorted.get(count / 100..count - count / 20).unwrap_or(&[]);
+    let distance = |pair: &[u32]| ranked::<f32>(pair, pair.len().saturating_sub(1)) - ranked::<f32>(pair, 0);
+    let widest = inner.windows(count / CLUMP_SHARE + 1).map(distance).fold(0.0, f32::greatest);
+    if count < CLUMPS_FROM || widest <= 1.5 * step {
+        return step;
+    }
+    let centre = ranked::<f32>(sorted, count / 2);
+    let (mut near, mut others) = (0, 0);
+    for value in sorted.iter().map(|&key| (f32::of_key(key) - centre) / widest) {
+        let multiple = libm::rintf(value);
+        if multiple != 0.0 {
+            others += 1;
+            near += usize::from((value - multiple).magnitude() < 1.0 / 6.0);
+        }
+    }
+    if others * CLUMP_SHARE >= count && near * 10 > others * 7 { widest } else { step }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::tests::normal;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    const COUNTS: Values = Values { step: 1.0, ..Values::UNKNOWN };
+
+    fn sky(values: &Values, pixels: impl Iterator<Item = f32>) -> Sky {
+        let mut keys: Vec<u32> = pixels.map(|value| (value + 0.0).key()).collect();
+        keys.sort_unstable();
+        clipped(&keys, values)
+    }
+
+    #[test]
+    fn whole_counts_are_measured_between_the_counts() {
+        for noise in [0.3, 0.5, 0.7, 1.0, 1.4, 2.5] {
+            for part in [0.0, 0.25, 0.5, 0.75] {
+                let counts = || normal(3600, 100.0 + part, noise).into_iter().map(libm::rintf);
+                let found = sky(&COUNTS, counts());
+                let mean = counts().map(f64::from).sum::<f64>() / 3600.0;
+                let variance = counts().map(|value| (f64::from(value) - mean).powi(2)).sum::<f64>() / 3600.0;
+                let (level, deviation) = (mean as f32, libm::sqrt(variance) as f32);
+                assert!((found.level - level).abs() < 0.04 * deviation.max(0.5), "{found:?}, {level}, noise {noise}");
+                assert!((found.noise / deviation - 1.0).abs() < 0.02, "{found:?}, {deviation}, noise {noise}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_noise_is_never_below_that_of_the_step() {
+        let constant = || core::iter::repeat_n(5.0, 100);
+        assert_eq!(sky(&COUNTS, constant()), Sky { level: 5.0, noise: UNIFORM });
+        let model = Values { resolution: 0.25, ..Values::UNKNOWN };
+        assert_eq!(sky(&model, constant()), Sky { level: 5.0, noise: 0.25 });
+        assert!(!sky(&COUNTS, constant().take(LEAST_PIXELS - 1)).known());
+    }
+
+    /// What smoothing makes of pixels that are cut off at 0 is their mean, from photons to a sky below it.
+    #[test]
+    fn a_sky_that_is_cut_off_has_its_mean() {
+        for (level, step) in [(0.0, 1.0), (0.5, 1.0), (0.0, 0.0), (-1.0, 0.0), (-2.0, 0.0)] {
+            let cut = |value: f32| if step > 0.0 { libm::rintf(value).positive() } else { value.positive() };
+            let pixels = || normal(3600, level, 1.0).into_iter().map(cut);
+            let mean = pixels().sum::<f32>() / 3600.0;
+            let variance = pixels().map(|value| (value - mean) * (value - mean)).sum::<f32>() / 3600.0;
+            let found = sky(&Values { step, ..Values::UNKNOWN }, pixels());
+            assert!((found.level - mean).abs() < 0.02, "{found:?}, the mean is {mean} for {level}");
+            assert!((found.noise / libm::sqrtf(variance) - 1.0).abs() < 0.1, "{found:?} for {level}: {variance}");
+        }
+        // 60 photons on 6000 pixels, and a star.
+        let photons = (0..6000).map(|at| if at % 100 == 0 { 1.0 } else { 0.0 }).chain([40.0; 9]);
+        assert_eq!(sky(&COUNTS, photons), Sky { level: 0.01, noise: UNIFORM });
+    }
+
+    #[test]
+    fn steps_show_through_a_flat_field_and_between_them() {
+        let off_grid = |(at, value): (usize, f32)| value + if at % 100 == 7 { 0.37 } else { 1e-4 * (at % 13) as f32 };
+        for noise in [0.3, 1.0] {
+            let counts = || normal(3600, 100.4, noise).into_iter().map(libm::rintf).enumerate().map(off_grid);
+            let found = sky(&Values { step: 1e-5, ..Values::UNKNOWN }, counts());
+            let mean = counts().sum::<f32>() / 3600.0;
+            assert!((found.level - mean).abs() < 0.05, "{found:?}, the mean is {mean}, noise {noise}");
+        }
+        // A tenth of the pixels are of sources: their light is wide and is no clump.
+        let keys: Vec<u32> =
+            normal(3600, 0.0, 1.0).into_iter().chain((0..400).map(|n| 3.0 + 0.5 * n as f32)).map(f32::key).collect();
+        assert_eq!(clump_step(&keys, 1e-5), 1e-5);
+    }
+
+    #[test]
+    fn sources_hardly_move_the_sky() {
+        let crowded = normal(3600, 100.0, 5.0).into_iter().chain((0..400).map(|n| 110.0 + n as f32));
+        let found = sky(&Values::UNKNOWN, crowded);
+        assert!((found.level - 100.0).abs() < 0.5 && (found.noise - 5.0).abs() < 0.4, "{found:?}");
+    }
+}

@@ -1,0 +1,379 @@
+//! The mesh of cells over a frame.
+
+use super::{LEAST_PIXELS, Sky, Values, clipped};
+use crate::arithmetic::Level;
+use crate::grid::Grid;
+use crate::sort::{self, Keys};
+use core::num::NonZero;
+
+/// Side of a mesh cell in pixels; a frame has a whole number of cells along each axis.
+pub const CELL: usize = 64;
+/// The most cells along an axis; larger frames have larger cells.
+pub const MOST_CELLS: usize = 64;
+
+/// A cell is measured where more than this many percent of its defined pixels are sky.
+const LEAST_SKY: usize = 30;
+/// A cell is measured where more than one in so many of its pixels is sky.
+const LEAST_SHARE: usize = 64;
+
+/// What a pixel is to the sky.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// Nothing is known of it.
+    Undefined,
+    /// The light of a source.
+    Source,
+    /// Sky.
+    Sky,
+}
+
+/// How a measurement went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Survey {
+    /// Cells that have a defined pixel.
+    pub cells: u32,
+    /// Those of them that were measured in this round; the rest have too little sky, and take it from their
+    /// neighbours or keep that of the round before.
+    pub measured: u32,
+}
+
+impl Survey {
+    /// Whether most cells have too little sky, and keep what was measured before sources were masked.
+    pub fn is_crowded(&self) -> bool {
+        2 * self.measured < self.cells
+    }
+}
+
+/// The mesh over a frame, in the caller's memory.
+#[derive(Debug)]
+pub struct Mesh<'m> {
+    cells: &'m mut [Sky],
+    copy: &'m mut [Sky],
+    grid: Grid,
+    size: (usize, usize),
+    /// Cells per pixel along each axis.
+    scale: (f32, f32),
+}
+
+/// Cells along an axis of `length` pixels.
+pub const fn cells_along(length: usize) -> NonZero<usize> {
+    let cells = (length + CELL / 2) / CELL;
+    match NonZero::new(if cells > MOST_CELLS { MOST_CELLS } else { cells }) {
+        Some(cells) => cells,
+        None => NonZero::<usize>::MIN,
+    }
+}
+
+/// Elements of the memory that [`Mesh::measure`] needs: the mesh, and a copy to filter it from.
+pub const fn mesh_cells(width: usize, height: usize) -> usize {
+    2 * cells_along(width).get() * cells_along(height).get()
+}
+
+/// The most pixels of a cell.
+pub const fn cell_pixels(width: usize, height: usize) -> usize {
+    width.div_ceil(cells_along(width).get()) * height.div_ceil(cells_along(height).get())
+}
+
+impl<'m> Mesh<'m> {
+    /// The mesh of a frame that [`Mesh::measure`] left in `cells`, which has room for [`mesh_cells`].
+    pub fn over(cells: &'m mut [Sky], size: (usize, usize)) -> Mesh<'m> {
+        let (columns, rows) = (cells_along(size.0), cells_along(size.1).get());
+        let scale = (columns.get() as f32 / size.0 as f32, rows as f32 / size.1 as f32);
+        let (cells, copy) = cells.split_at_mut_checked(columns.get() * rows).unwrap_or((&mut [], &mut []));
+        Mesh { cells, copy, grid: Grid { width: columns, height: rows }, size, scale }
+    }
+
+    /// A mesh of which nothing is known yet.
+    pub fn blank(cells: &'m mut [Sky], size: (usize, usize)) -> Mesh<'m> {
+        cells.fill(Sky::UNKNOWN);
+        Mesh::over(cells, size)
+    }
+
+    /// Measures the sky of `pixels`, row-major, where they are [`Seen::Sky`]. Cells that are mostly
+    /// sources take what their neighbours have. Where most cells are such, they keep what was
+    /// measured before the sources were masked: what is left between these is too little to be sky, and each round
+    /// would mask more of it. `keys` needs room for [`cell_pixels`]. Cost: about
+    /// twenty looks at each pixel.
+    pub fn measure(
+        &mut self,
+        pixels: &[f32],
+        seen: impl Fn(usize) -> Seen,
+        values: &Values,
+        mut keys: Keys<'_>,
+    ) -> Survey {
+        let mut survey = Survey::default();
+        for index in 0..self.cells.len() {
+            let count = Count::of(self.pixels(index).map(&seen));
+            survey.cells += u32::from(count.defined > 0);
+            survey.measured += u32::from(count.is_enough());
+        }
+        let crowded = survey.is_crowded();
+        for index in 0..self.cells.len() {
+            let sky = self.pixels(index).filter(|&at| seen(at) == Seen::Sky);
+            let measured = if Count::of(self.pixels(index).map(&seen)).is_enough() {
+                // Adding 0 gives both zeros one key.
+                clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values)
+            } else if crowded {
+                Self::cell(self.cells, index)
+            } else {
+                Sky::UNKNOWN
+            };
+            if let Some(cell) = self.cells.get_mut(index) {
+                *cell = measured;
+            }
+        }
+        self.fill();
+        self.smooth();
+        survey
+    }
+
+    /// The pixels of a cell, row by row.
+    fn pixels(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
+        let ((width, height), (column, row)) = (self.size, self.grid.place(index));
+        let (columns, rows) = (self.grid.width, NonZero::new(self.grid.height).unwrap_or(NonZero::<usize>::MIN));
+        let (left, right) = (column * width / columns, (column + 1) * width / columns);
+        let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
+        (bottom..top).flat_map(move |y| y * width + left..y * width + right)
+    }
+
+    fn cell(cells: &[Sky], index: usize) -> Sky {
+        cells.get(index).copied().unwrap_or(Sky::UNKNOWN)
+    }
+
+    fn copy(&mut self) {
+        self.copy.iter_mut().zip(self.cells.iter()).for_each(|(copy, cell)| *copy = *cell);
+    }
+
+    /// Unknown cells take the mean of their known neighbours, ring by ring.
+    fn fill(&mut self) {
+        for _ in 0..self.grid.width.get() + self.grid.height {
+            self.copy();
+            if self.cells.iter().all(|cell| cell.known()) {
+                return;
+            }
+            for (index, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| !cell.known()) {
+                let (mut level, mut noise, mut count) = (0.0, 0.0, 0.0);
+                let near = self.grid.neighbours(index).map(|near| Self::cell(self.copy, near));
+                for near in near.filter(|near| near.known()) {
+                    (level, noise, count) = (level + near.level, noise + near.noise, count + 1.0);
+                }
+                if count > 0.0 {
+                    *cell = Sky { level: level / count, noise: noise / count };
+                }
+            }
+        }
+    }
+
+    /// Each cell becomes the median of the 3 x 3 cells around it; beyond the border the levels go on
+    /// straight, so that there a slope is kept too, and the noise stays.
+    fn smooth(&mut self) {
+        self.copy();
+        let (columns, rows) = (self.grid.width.get(), self.grid.height);
+        for (index, cell) in self.cells.iter_mut().enumerate() {
+            let (column, row) = self.grid.place(index);
+            let near = |value: fn(Sky) -> f32, slope: f32| {
+                let at = |column: usize, row: usize| value(Self::cell(self.copy, row * columns + column));
+                let along = |x: Step, row: usize| x.beyond(|column| at(column, row), slope);
+                let places = (0..9).map(|n| (Step::new(column, n % 3, columns), Step::new(row, n / 3, rows)));
+                middle(places.map(|(x, y)| y.beyond(|row| along(x, row), slope)))
+            };
+            *cell = Sky { level: near(|sky| sky.level, 1.0), noise: near(|sky| sky.noise, 0.0) };
+        }
+    }
+
+    /// Background and noise at a pixel: bilinear between the centres of cells; beyond the outer ones
+    /// the level goes on straight, the noise stays.
+    pub fn at(&self, x: usize, y: usize) -> Sky {
+        let columns = self.grid.width.get();
+        let (across, up) = (Between::new(x, columns, self.scale.0), Between::new(y, self.grid.height, self.scale.1));
+        let blend = |value: fn(Sky) -> f32, part: fn(Between) -> f32| {
+            let row = |row: usize| {
+                let at = |column: usize| value(Self::cell(self.cells, row * columns + column));
+                at(across.first) * (1.0 - part(across)) + at(across.next) * part(across)
+            };
+            row(up.first) * (1.0 - part(up)) + row(up.next) * part(up)
+        };
+        Sky { level: blend(|sky| sky.level, |place| place.part), noise: blend(|sky| sky.noise, Between::inside) }
+    }
+}
+
+/// What the pixels of a cell are.
+#[derive(Default)]
+struct Count {
+    all: usize,
+    defined: usize,
+    sky: usize,
+}
+
+impl Count {
+    fn of(pixels: impl Iterator<Item = Seen>) -> Count {
+        pixels.fold(Count::default(), |count, seen| Count {
+            all: count.all + 1,
+            defined: count.defined + usize::from(seen != Seen::Undefined),
+            sky: count.sky + usize::from(seen == Seen::Sky),
+        })
+    }
+
+    fn is_enough(&self) -> bool {
+        let sky = self.sky;
+        sky >= LEAST_PIXELS && sky * 100 >= self.defined * LEAST_SKY && sky * LEAST_SHARE >= self.all
+    }
+}
+
+/// A cell beside another along an axis: within the mesh the cell itself; beyond it the border's, and
+/// the one before that.
+#[derive(Clone, Copy)]
+struct Step {
+    near: usize,
+    far: usize,
+}
+
+impl Step {
+    /// `offset` 0 is the cell before, 1 the same, 2 the one after.
+    fn new(at: usize, offset: usize, cells: usize) -> Step {
+        let last = cells.saturating_sub(1);
+        let one = |near: usize| Step { near, far: near };
+        match offset {
+            0 => at.checked_sub(1).map_or(Step { near: 0, far: last.min(1) }, one),
+            2 if at >= last => Step { near: last, far: last.saturating_sub(1) },
+            2 => one(at + 1),
+            _ => one(at),
+        }
+    }
+
+    fn beyond(self, value: impl Fn(usize) -> f32, slope: f32) -> f32 {
+        let (near, far) = (value(self.near), value(self.far));
+        let beyond = near + slope * (near - far);
+        if beyond.is_finite() { beyond } else { near }
+    }
+}
+
+/// A place between the centres of two cells, or beyond the outer ones.
+#[derive(Clone, Copy)]
+struct Between {
+    first: usize,
+    next: usize,
+    /// How far it is from the first towards the next, -1/2 to 3/2.
+    part: f32,
+}
+
+impl Between {
+    fn new(at: usize, cells: usize, scale: f32) -> Between {
+        let place = (at as f32 + 0.5) * scale - 0.5;
+        let first = (place as usize).min(cells.saturating_sub(2));
+        Between { first, next: (first + 1).min(cells.saturating_sub(1)), part: place - first as f32 }
+    }
+
+    fn inside(self) -> f32 {
+        let part = if self.part > 0.0 { self.part } else { 0.0 };
+        if part < 1.0 { part } else { 1.0 }
+    }
+}
+
+/// The median of nine values.
+fn middle(of: impl Iterator<Item = f32>) -> f32 {
+    let mut values = [0.0; 9];
+    values.iter_mut().zip(of).for_each(|(out, value)| *out = value);
+    sort::few(&mut values, |a, b| a.key() < b.key());
+    let [.., middle, _, _, _, _] = values;
+    middle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cell_pixels;
+    use super::*;
+    use crate::noise::tests::normal;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    const SIDE: usize = 320;
+
+    /// Noise of 1 on a level that differs from pixel to pixel.
+    fn frame(level: impl Fn(usize, usize) -> f32) -> Vec<f32> {
+        let noise = normal(SIDE * SIDE, 0.0, 1.0);
+        (0..noise.len()).map(|at| noise[at * 7919 % noise.len()] + level(at % SIDE, at / SIDE)).collect()
+    }
+
+    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen) -> Survey {
+        let room = cell_pixels(SIDE, SIDE);
+        let (mut keys, mut spare) = (std::vec![0; room], std::vec![0; room]);
+        let seen = |at: usize| seen(at % SIDE, at / SIDE);
+        mesh.measure(pixels, seen, &Values::UNKNOWN, Keys(&mut keys, &mut spare))
+    }
+
+    fn cells() -> [Sky; mesh_cells(SIDE, SIDE)] {
+        [Sky::UNKNOWN; mesh_cells(SIDE, SIDE)]
+    }
+
+    #[test]
+    fn a_slope_is_followed_into_the_corners() {
+        let slope = |x: usize, y: usize| 0.05 * x as f32 - 0.03 * y as f32;
+        let (pixels, mut cells) = (frame(slope), cells());
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let survey = measure(&mut mesh, &pixels, |_, _| Seen::Sky);
+        assert_eq!(survey, Survey { cells: 25, measured: 25 });
+        for (x, y) in [(0, 0), (319, 0), (0, 319), (319, 319), (160, 0), (0, 160), (31, 200), (100, 290)] {
+            let sky = mesh.at(x, y);
+            assert!((sky.level - slope(x, y)).abs() < 0.2, "{} beside {} at {x}, {y}", sky.level, slope(x, y));
+            // A cell of 64 pixels spans 3.2 and 1.9 of the slope.
+            assert!((1.0..1.6).contains(&sky.noise), "{} at {x}, {y}", sky.noise);
+        }
+    }
+
+    #[test]
+    fn a_cell_without_sky_has_that_of_its_neighbours() {
+        let source = |x: usize, y: usize| (64..128).contains(&x) && (64..128).contains(&y);
+        let pixels = frame(|x, y| if source(x, y) { 500.0 } else { 100.0 });
+        let mut cells = cells();
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let seen = |x: usize, y: usize| match source(x, y) {
+            // A tenth of the cell is left, all of it wings.
+            true if x % 10 > 0 => Seen::Source,
+            _ => Seen::Sky,
+        };
+        assert_eq!(measure(&mut mesh, &pixels, seen), Survey { cells: 25, measured: 24 });
+        let sky = mesh.at(95, 95);
+        assert!((sky.level - 100.0).abs() < 0.1 && (sky.noise - 1.0).abs() < 0.05, "{sky:?}");
+    }
+
+    /// What is left where sources are everywhere is darker and quieter round by round.
+    #[test]
+    fn a_crowded_mesh_keeps_what_was_measured_first() {
+        let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        measure(&mut mesh, &pixels, |_, _| Seen::Sky);
+        let first = mesh.at(160, 160);
+        let dark = |x: usize, y: usize| if pixels[y * SIDE + x] < 99.0 { Seen::Sky } else { Seen::Source };
+        for _ in 0..5 {
+            let survey = measure(&mut mesh, &pixels, dark);
+            assert_eq!(survey, Survey { cells: 25, measured: 0 });
+            assert!(survey.is_crowded());
+        }
+        let last = mesh.at(160, 160);
+        assert!((last.level - first.level).abs() < 0.05 && (last.noise / first.noise - 1.0).abs() < 0.03, "{last:?}");
+    }
+
+    #[test]
+    fn nothing_is_known_of_a_mesh_without_sky() {
+        let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let survey = measure(&mut mesh, &pixels, |x, _| if x < 10 { Seen::Source } else { Seen::Undefined });
+        assert_eq!(survey, Survey { cells: 5, measured: 0 });
+        assert!(mesh.at(5, 5).level.is_nan());
+        let survey = measure(&mut mesh, &pixels, |x, y| if x < 4 && y < 4 { Seen::Sky } else { Seen::Undefined });
+        assert_eq!(survey, Survey { cells: 1, measured: 0 }, "16 pixels of 4096 are too few");
+    }
+
+    #[test]
+    fn a_window_is_one_cell() {
+        let pixels: Vec<f32> = normal(64, 7.0, 1.0);
+        let mut cells = [Sky::UNKNOWN; mesh_cells(8, 8)];
+        let (mut keys, mut spare) = ([0; 64], [0; 64]);
+        let mut mesh = Mesh::blank(&mut cells, (8, 8));
+        mesh.measure(&pixels, |_| Seen::Sky, &Values::UNKNOWN, Keys(&mut keys, &mut spare));
+        assert_eq!(mesh.at(0, 0), mesh.at(7, 7));
+        assert!((mesh.at(3, 4).level - 7.0).abs() < 0.1);
+    }
+}

@@ -1,0 +1,32 @@
+//! Sky background and noise, as they can be known from the frame alone.
+//!
+//! [`Values`] tells what the detector and the software behind it did to the numbers: steps, a cut
+//! at the black level, filling. [`clipped`] estimates level and noise of one cell from its sorted
+//! values, and [`Mesh`] lays cells over the frame, bridges those without sky and gives level and
+//! noise at every pixel.
+
+mod clipped;
+mod mesh;
+mod values;
+
+pub use clipped::{LEAST_PIXELS, clipped};
+pub use mesh::{CELL, MOST_CELLS, Mesh, Seen, Survey, cell_pixels, cells_along, mesh_cells};
+pub use values::Values;
+
+/// Background and noise of one cell, in units of the image; NaN where too few pixels are sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// The background level.
+    pub level: f32,
+    /// Standard deviation of a pixel.
+    pub noise: f32,
+}
+
+impl Sky {
+    /// A cell about which nothing is known.
+    pub const UNKNOWN: Sky = Sky { level: f32::NAN, noise: f32::NAN };
+
+    fn known(self) -> bool {
+        self.level.is_finite() && self.noise.is_finite()
+    }
+}

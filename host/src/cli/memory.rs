@@ -1,0 +1,172 @@
+//! The memory of runs: known when the header of an image is read, asked for before its pixels are, and shared by the
+//! images that are worked on at a time.
+
+use super::job::Manner;
+use crate::detection;
+use crate::pipeline::room_for_sources;
+use crate::planes::can_be_had;
+use skyfront_core::config::{Config, Scheme};
+use skyfront_core::memory::bytes;
+use std::sync::{Condvar, Mutex, PoisonError};
+
+/// The most pixels of an image: labels and places are told apart by 30 bits.
+pub const MOST_PIXELS: u64 = 1 << 30;
+/// What a run takes beside its planes: buffers, tables, the stacks of its threads.
+const BESIDE: u64 = 24_000_000;
+const MEGA: u64 = 1_000_000;
+
+/// Columns and rows.
+pub type Size = (u64, u64);
+
+/// The bytes that an image takes at most from its first pixel to its last product, beside those of its sources, with
+/// so many maps of its size.
+///
+/// # Errors
+/// One line for an image with too many pixels.
+pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size) -> Result<u64, String> {
+    if width.checked_mul(height).is_none_or(|pixels| pixels > MOST_PIXELS) {
+        return Err(format!(
+            "{width} x {height} pixels are more than {MOST_PIXELS}, the most that can be labelled; cut the image into \
+             pieces"
+        ));
+    }
+    let (w, h) = (width as usize, height as usize);
+    let plane = w * h * size_of::<f32>();
+    // Planes beside those of the method: the image and, while sources are measured, sky, noise, mask and front.
+    let (of_method, others, of_pictures) = match config.detection {
+        Some(_) => (detection::memory(w, h).iter().map(|(bytes, _)| bytes).sum(), 1, 4),
+        None => {
+            let sl_curvature = config.scheme == Scheme::SlCurvature;
+            (bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h)), 4, 5)
+        }
+    };
+    let planes = others + maps + if manner.pictures { of_pictures } else { 0 };
+    Ok((of_method + planes * plane) as u64 + BESIDE)
+}
+
+/// What all runs may take together, and what those under way take.
+pub struct Memory {
+    limit: Option<u64>,
+    taken: Mutex<u64>,
+    given_back: Condvar,
+}
+
+impl Memory {
+    /// At most `limit` bytes, or what the system gives.
+    pub fn new(limit: Option<u64>) -> Self {
+        Memory { limit, taken: Mutex::new(0), given_back: Condvar::new() }
+    }
+
+    /// Takes `need` bytes for an image of `size`, as soon as the runs under way leave them.
+    ///
+    /// # Errors
+    /// One line that names need and limit, where they cannot be had even alone.
+    pub fn take(&self, need: u64, size: Size) -> Result<Share<'_>, String> {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        // What the others have taken may not be in their hands yet.
+        while !self.gives(*taken + need) {
+            if *taken == 0 {
+                return Err(self.refusal(need, size));
+            }
+            taken = self.given_back.wait(taken).unwrap_or_else(PoisonError::into_inner);
+        }
+        *taken += need;
+        Ok(Share { memory: self, bytes: need })
+    }
+
+    fn gives(&self, bytes: u64) -> bool {
+        self.limit.is_none_or(|limit| bytes <= limit) && can_be_had(bytes)
+    }
+
+    fn refusal(&self, need: u64, (width, height): Size) -> String {
+        let limit = match self.limit {
+            Some(limit) if limit < need => format!("--max-memory allows {} MB", limit / MEGA),
+            _ => format!("the system gives {} MB", most_that_can_be_had(need) / MEGA),
+        };
+        let need = need.div_ceil(MEGA);
+        format!("{width} x {height} pixels need {need} MB of memory, but {limit}; cut the image into pieces")
+    }
+}
+
+/// The greatest number of bytes, below `need`, that the system gives.
+fn most_that_can_be_had(need: u64) -> u64 {
+    let (mut least, mut most) = (0, need);
+    while most - least > MEGA {
+        let middle = least.midpoint(most);
+        if can_be_had(middle) { least = middle } else { most = middle }
+    }
+    least
+}
+
+/// The memory of one run; given back when dropped.
+pub struct Share<'m> {
+    memory: &'m Memory,
+    bytes: u64,
+}
+
+impl Drop for Share<'_> {
+    fn drop(&mut self) {
+        *self.memory.taken.lock().unwrap_or_else(PoisonError::into_inner) -= self.bytes;
+        self.memory.given_back.notify_all();
+    }
+}
+
+/// A number of bytes, with k, M or G for 10^3, 10^6 or 10^9.
+pub fn amount(text: &str) -> Result<u64, String> {
+    let (digits, unit) = match text.trim().split_at_checked(text.trim().len().saturating_sub(1)) {
+        Some((digits, "k" | "K")) => (digits, 1000),
+        Some((digits, "M")) => (digits, MEGA),
+        Some((digits, "G")) => (digits, 1000 * MEGA),
+        _ => (text.trim(), 1),
+    };
+    let bytes = digits.parse::<u64>().ok().and_then(|number| number.checked_mul(unit));
+    bytes.ok_or_else(|| "is not a number of bytes such as 800M or 4G".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_have_units() {
+        assert_eq!(amount("12"), Ok(12));
+        assert_eq!(amount("3k"), Ok(3000));
+        assert_eq!(amount(" 4G "), Ok(4_000_000_000));
+        for odd in ["", "G", "-1", "1.5G", "4T", "99999999999999G", "星"] {
+            assert!(amount(odd).is_err(), "{odd}");
+        }
+    }
+
+    #[test]
+    fn runs_wait_for_each_other_and_what_exceeds_the_limit_is_refused() {
+        let memory = Memory::new(Some(100 * MEGA));
+        let refused = memory.take(101 * MEGA, (5, 7)).err();
+        let line = "5 x 7 pixels need 101 MB of memory, but --max-memory allows 100 MB; cut the image into pieces";
+        assert_eq!(refused.as_deref(), Some(line));
+        let most = Mutex::new((0, 0));
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    let share = memory.take(40 * MEGA, (5, 7));
+                    assert!(share.is_ok());
+                    let enter = |by: i32| {
+                        let mut most = most.lock().unwrap();
+                        most.0 += by;
+                        most.1 = std::cmp::max(most.1, most.0);
+                    };
+                    enter(1);
+                    std::thread::sleep(std::time::Duration::from_millis(5));
+                    enter(-1);
+                });
+            }
+        });
+        assert_eq!(most.into_inner().unwrap(), (0, 2));
+    }
+
+    #[test]
+    fn more_than_any_machine_has_is_refused_with_what_it_has() {
+        let memory = Memory::new(None);
+        let line = memory.take(1 << 60, (1, 1)).err().unwrap_or_default();
+        assert!(line.contains("need 1152921504607 MB") && line.contains("the system gives "), "{line}");
+    }
+}

@@ -1,0 +1,389 @@
+//! The core taken step by step, each beside the reference's step from the very same input.
+
+use super::CheckError;
+use super::rounding::{Rounding, bit};
+use crate::pipeline::MOST_SOURCES;
+use crate::planes::Room;
+use crate::reference::{self as r, Order, Parameters, Plane, Rescale, Scheme};
+use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
+use skyfront_core::catalog::Source;
+use skyfront_core::config::Config;
+use skyfront_core::frame::SliceFrame;
+use skyfront_core::outcome::{Outcome, Progress};
+use skyfront_core::segmenter::Segmenter;
+use skyfront_core::stage::Stage;
+
+/// How far a step of the core is from the reference's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Name of the step.
+    pub step: &'static str,
+    /// Largest difference of a number.
+    pub max: f64,
+    /// The farthest that a number lies outside what the roundings inside the step explain.
+    pub beyond: f64,
+}
+
+/// Runs the core and looks at each of its steps beside the reference's with `parameters`: those of the configuration,
+/// or others to see whether it is noticed. After every pass `meddle` may do something to the run.
+///
+/// # Errors
+/// What the core or the reference finds wrong with the configuration or the image.
+pub fn walk<A: Arithmetic>(
+    config: &Config,
+    parameters: &Parameters,
+    pixels: &[f32],
+    (width, height): (usize, usize),
+    meddle: &mut dyn FnMut(Stage, &mut Segmenter<'_, A>),
+) -> Result<Vec<Difference>, CheckError> {
+    let mut room = Room::<A>::new(config, width, height, (width * height / 4).clamp(1, MOST_SOURCES));
+    let mut run = Segmenter::<A>::new(config, width, height, room.memory())?;
+    let mut walk = Walk::new::<A>(*parameters, pixels, (width, height), f64::from(run.unit()));
+    loop {
+        let stage = run.stage();
+        let progress = run.poll(usize::MAX, &mut SliceFrame(pixels))?;
+        meddle(stage, &mut run);
+        walk.see(stage, &run, &progress);
+        if let Progress::Done(outcome) = progress {
+            let tau = A::Real::of(outcome.tau).to_f32();
+            walk.image_steps(&outcome, f64::from(tau))?;
+            walk.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
+            return Ok(walk.found);
+        }
+    }
+}
+
+/// What was seen of a run so far.
+struct Walk {
+    p: Parameters,
+    rounding: Rounding,
+    pixels: Vec<f64>,
+    /// Units of the front plane in 1 of the paper's u.
+    unit: f64,
+    /// Whether a banded front is drawn out after each step.
+    settles: bool,
+    /// The image plane as the last step left it.
+    image: Plane,
+    normalised: Option<Plane>,
+    rescaled: Option<Plane>,
+    filtered: Option<Plane>,
+    g: Option<Plane>,
+    u0: Option<Plane>,
+    /// The front, in the paper's u.
+    front: Plane,
+    steps: u32,
+    found: Vec<Difference>,
+}
+
+impl Walk {
+    fn new<A: Arithmetic>(p: Parameters, pixels: &[f32], (width, height): (usize, usize), unit: f64) -> Walk {
+        let empty = Plane::from_fn(width, height, |_, _| 0.0);
+        Walk {
+            rounding: Rounding::of::<A>(p.band),
+            pixels: pixels.iter().map(|&v| v.into()).collect(),
+            unit,
+            settles: p.band.is_some() && A::NEEDS_BAND.is_none() && p.scheme != Scheme::ChanVese,
+            image: empty.clone(),
+            normalised: None,
+            rescaled: None,
+            filtered: None,
+            g: None,
+            u0: None,
+            front: empty,
+            steps: 0,
+            found: Vec::new(),
+            p,
+        }
+    }
+
+    fn plane(&self, value: impl Fn(usize) -> f64) -> Plane {
+        let width = self.image.width();
+        Plane::from_fn(width, self.image.height(), |i, j| value(j as usize * width + i as usize))
+    }
+
+    /// Looks at what a pass left behind.
+    fn see<A: Arithmetic>(&mut self, stage: Stage, run: &Segmenter<'_, A>, progress: &Progress) {
+        let image = || self.plane(|at| run.image().get(at).map_or(f64::NAN, |&cell| A::pixel(cell).to_f32().into()));
+        let front = || {
+            let value = |&cell: &A::Cell| f64::from(A::level(cell).to_f32()) / self.unit;
+            self.plane(|at| run.front().get(at).map_or(f64::NAN, value))
+        };
+        match stage {
+            Stage::Normalize => {
+                self.image = image();
+                self.normalised = Some(self.image.clone());
+            }
+            Stage::Rescale => {
+                self.image = image();
+                self.rescaled = Some(self.image.clone());
+            }
+            Stage::Filter => {
+                let (next, old) = (image(), &self.image);
+                let reference = r::filter_step(self.p.filter, self.p.dx, old);
+                self.note("filtered", &next, &reference, &reference);
+                self.filtered = Some(next.clone());
+                self.image = next;
+            }
+            Stage::Edge => self.g = Some(image()),
+            Stage::Front => {
+                self.front = front();
+                self.u0 = Some(self.front.clone());
+            }
+            Stage::Evolve => {
+                let next = front();
+                self.steps += 1;
+                self.front_step(&next);
+                self.stop_rule(&next, run.stage() != Stage::Evolve, progress);
+                self.front = next;
+            }
+            Stage::Arrive => {
+                self.front = front();
+                self.arrivals();
+            }
+            _ => {}
+        }
+    }
+
+    /// Notes how far `core` lies from the middle of two planes of the reference, and outside of them.
+    fn note(&mut self, step: &'static str, core: &Plane, low: &Plane, high: &Plane) {
+        let bounds = low.values().iter().zip(high.values());
+        for (&core, (&one, &other)) in core.values().iter().zip(bounds) {
+            self.note_number(step, core, one.min(other), one.max(other));
+        }
+    }
+
+    fn note_number(&mut self, step: &'static str, core: f64, low: f64, high: f64) {
+        let max = (core - 0.5 * (low + high)).abs();
+        let beyond = (low - core).max(core - high).max(0.0);
+        // A number that is none is infinitely far off.
+        if core.is_nan() { self.add(step, f64::INFINITY, f64::INFINITY) } else { self.add(step, max, beyond) }
+    }
+
+    fn add(&mut self, step: &'static str, max: f64, beyond: f64) {
+        match self.found.iter_mut().find(|found| found.step == step) {
+            Some(found) => (found.max, found.beyond) = (found.max.max(max), found.beyond.max(beyond)),
+            None => self.found.push(Difference { step, max, beyond }),
+        }
+    }
+
+    /// A step that only one of the two took.
+    fn note_missing(&mut self, step: &'static str) {
+        self.note_number(step, f64::NAN, 0.0, 0.0);
+    }
+
+    /// Steps 1 to 4 and the front before it moves.
+    fn image_steps(&mut self, outcome: &Outcome, tau: f64) -> Result<(), CheckError> {
+        self.normalisation(outcome)?;
+        let none = self.image.clone();
+        let normalised = self.normalised.clone().unwrap_or(none);
+        let last = self.image.clone();
+        let into_rescaling = match (self.p.order, &self.filtered) {
+            (Order::FilterFirst, Some(filtered)) => filtered.clone(),
+            _ => normalised,
+        };
+        self.threshold(outcome, &into_rescaling);
+        self.rescaling(&into_rescaling, tau);
+        if self.filtered.is_some() != (self.p.filter.steps() > 0) {
+            self.note_missing("filtered");
+        }
+        if self.p.scheme != Scheme::ChanVese {
+            self.detector(outcome, &last);
+        }
+        self.start(&last, tau);
+        Ok(())
+    }
+
+    fn normalisation(&mut self, outcome: &Outcome) -> Result<(), CheckError> {
+        let (low, high) = r::range(self.p.normalize, &self.pixels)?;
+        let range = (f64::from(outcome.range.low), f64::from(outcome.range.high));
+        let (rounded, span) = (bit(21) * (low.abs() + high.abs()), high - low);
+        for (core, level) in [(range.0, low), (range.1, high)] {
+            self.note_number("levels", core / span, (level - rounded) / span, (level + rounded) / span);
+        }
+        match self.normalised.clone() {
+            Some(core) => {
+                let reference = r::normalize(range, &self.pixels, core.width(), core.height());
+                self.note("normalised", &core, &reference, &reference);
+            }
+            None => self.note_missing("normalised"),
+        }
+        Ok(())
+    }
+
+    /// The threshold that r3 used, or from which the front starts.
+    fn threshold(&mut self, outcome: &Outcome, image: &Plane) {
+        let defined: Vec<bool> = self.pixels.iter().map(|v| v.is_finite()).collect();
+        let rule = r::threshold(self.p.rescale, self.p.tau, image, &defined);
+        let level = || self.p.start_margin.map(|_| r::otsu(self.image.values().iter().copied()));
+        if let Some(tau) = rule.or_else(level) {
+            self.note_number("tau", outcome.tau.into(), tau, tau);
+        }
+    }
+
+    fn rescaling(&mut self, image: &Plane, tau: f64) {
+        if self.rescaled.is_some() != (self.p.rescale != Rescale::None) {
+            self.note_missing("rescaled");
+        }
+        let Some(core) = self.rescaled.clone() else { return };
+        let off = self.rounding.value;
+        let moved = |by: f64| r::rescale(self.p.rescale, Some(tau), &image.map(|x| (x + by).clamp(0.0, 1.0)));
+        let (low, high) = (moved(-off), moved(off));
+        self.note("rescaled", &core, &low, &high);
+    }
+
+    fn detector(&mut self, outcome: &Outcome, image: &Plane) {
+        let slope = r::gradient(image, self.p.dx);
+        let (m, big_m) = r::gradient_range(&slope);
+        let per_dx = 0.5 / self.p.dx;
+        let rounding = self.rounding;
+        let off = |z: f64| rounding.of_gradient(z / per_dx) * per_dx;
+        for (core, z) in [(outcome.gradient.0, m), (outcome.gradient.1, big_m)] {
+            self.note_number("gradient", core.into(), z - off(z), z + off(z));
+        }
+        let Some(core) = self.g.clone() else { return self.note_missing("g") };
+        let moved = |by: f64| {
+            let slope = slope.map(|z| (z + by * off(z)).max(0.0));
+            let (m, big_m) = ((m - by * off(m)).max(0.0), big_m - by * off(big_m));
+            r::detector(self.p.edge, &slope, m, big_m).map(|g| g.clamp(0.0, 1.0))
+        };
+        let (low, high) = (moved(1.0), moved(-1.0));
+        self.note("g", &core, &low, &high);
+    }
+
+    fn start(&mut self, image: &Plane, level: f64) {
+        let Some(core) = self.u0.clone() else { return self.note_missing("u0") };
+        let (reference, roundings) = match self.p.start_margin {
+            None => (r::framed(&self.p, image.width(), image.height()), 1.0),
+            // A distance is a sum of as many steps.
+            Some(margin) => (r::near(&self.p, image, level, margin), margin + 4.0),
+        };
+        let off = self.rounding.start * roundings / self.unit;
+        self.note("u0", &core, &reference.map(|u| u - off), &reference.map(|u| u + off));
+    }
+
+    /// What the front moves over: the edge detector, or for regions the image.
+    fn speed(&self) -> &Plane {
+        self.g.as_ref().filter(|_| self.p.scheme != Scheme::ChanVese).unwrap_or(&self.image)
+    }
+
+    /// One step of the front, in its own unit.
+    fn front_step(&mut self, next: &Plane) {
+        let step = |p: &Parameters| self.settled(&r::step(p, self.speed(), &self.front));
+        let reference = step(&self.p);
+        let off = self.rounding.grid + self.means_off();
+        let apart = |low: &Plane, high: &Plane| {
+            let bounds = low.values().iter().zip(high.values());
+            next.values().iter().zip(bounds).fold(0.0f64, |most, (v, (low, high))| {
+                let v = v * self.unit;
+                most.max((low.min(*high) - off - v).max(v - low.max(*high) - off))
+            })
+        };
+        let mut beyond = apart(&reference, &reference);
+        // On which side of the least gradient a node lies may depend on a rounding.
+        if beyond > bit(22) && matches!(self.p.scheme, Scheme::FdCurvature | Scheme::SlCurvature) {
+            let flat = |share: f64| step(&Parameters { degenerate_c: self.p.degenerate_c * share, ..self.p });
+            beyond = apart(&flat(1.0 - self.rounding.flat), &flat(1.0 + self.rounding.flat)).min(beyond);
+        }
+        let pairs = next.values().iter().zip(reference.values());
+        let max = pairs.fold(0.0f64, |most, (v, w)| most.max((v * self.unit - w).abs()));
+        self.add("u", max, beyond);
+    }
+
+    /// A front after a step, in its own unit.
+    fn settled(&self, front: &Plane) -> Plane {
+        let front = front.map(|u| u * self.unit);
+        match self.p.band {
+            Some(band) if self.settles => r::settle(&front, band),
+            _ => front,
+        }
+    }
+
+    /// How far a step of Chan and Vese may be off because their means are sums of whole units, 2^-12 of v and 2^-20 of
+    /// the image: both regions have lost a unit of each v that is no whole number of them.
+    fn means_off(&self) -> f64 {
+        if self.p.scheme != Scheme::ChanVese {
+            return 0.0;
+        }
+        let v = || self.front.values().iter().map(|u| u * self.unit);
+        let between = v().filter(|v| v.abs() < 1.0).count() as f64;
+        let (inside, outside): (f64, f64) = (v().map(|v| 1.0 + v).sum(), v().map(|v| 1.0 - v).sum());
+        let mean = |weight: f64| bit(12) * between / weight.max(1.0) + bit(19);
+        2.0 * self.p.dt * (self.p.lambda.0 * mean(inside) + self.p.lambda.1 * mean(outside))
+    }
+
+    /// The change that a step reports, and whether it was the last.
+    fn stop_rule(&mut self, next: &Plane, over: bool, progress: &Progress) {
+        let (least, most) = (self.change(next, false), self.change(next, true));
+        if let Progress::Working { last_change, .. } = progress {
+            self.note_number("change", f64::from(*last_change), least.0, most.0);
+        }
+        let may_rest = r::at_rest(&self.p, least.0, least.1);
+        let must_rest = r::at_rest(&self.p, most.0, most.1);
+        let last = self.steps >= self.p.max_steps();
+        let sound = if over { last || may_rest } else { !last && !must_rest };
+        self.note_number("stop", f64::from(u8::from(!sound)), 0.0, 0.0);
+    }
+
+    /// `critarr` and whether a node near the front changed sign, as roundings make them least and most: of each change,
+    /// of the distance that counts as near, and of the sum. A single change counts half a unit at most.
+    fn change(&self, next: &Plane, most: bool) -> (f64, bool) {
+        let share = if most { 1.0 + bit(16) } else { 1.0 - bit(16) };
+        let near = if self.p.scheme == Scheme::ChanVese { f64::INFINITY } else { self.p.eps_front * share };
+        let (mut sum, mut crossed) = (0.0, false);
+        for (&old, &new) in self.front.values().iter().zip(next.values()).filter(|(old, _)| old.abs() <= near) {
+            let change = (new - old).abs() * self.unit;
+            let rounded = if most { change + self.rounding.change } else { change.min(0.5) - self.rounding.change };
+            sum += rounded.max(0.0);
+            crossed |= (old > 0.0) != (new > 0.0);
+        }
+        (sum * share * self.p.dx * self.p.dx / self.unit, crossed)
+    }
+
+    /// Each time of arrival beside the one that follows from the times around it.
+    fn arrivals(&mut self) {
+        let Some(g) = self.g.clone() else { return self.note_missing("arrival") };
+        let (Some(u0), farthest) = (self.u0.clone(), self.p.t_max / self.p.dx) else { return };
+        // Fixed point ends at -128: the time of what lies there is known to be earlier.
+        let lost = |u: f64| u <= -127.9 && farthest > 127.0;
+        let times = Plane::from_fn(u0.width(), u0.height(), |i, j| {
+            let u = self.front.at(i, j) * self.unit;
+            if u > 0.0 { f64::INFINITY } else { u + farthest }
+        });
+        for j in 0..u0.height() as isize {
+            for i in 0..u0.width() as isize {
+                let near = times.around(i, j);
+                let known = [near.c, near.e, near.w, near.n, near.s].iter().all(|t| !lost(t - farthest));
+                if u0.at(i, j) <= 0.0 || !known {
+                    continue;
+                }
+                let (time, soonest) = (times.at(i, j), r::soonest(&g, &times, i, j));
+                let rounded = bit(20) * farthest;
+                let late = if time.is_finite() { (time - soonest).abs() } else { (farthest - soonest).max(0.0) };
+                self.note_number("arrival", late, 0.0, LATE + rounded);
+            }
+        }
+    }
+
+    /// Components of the core's own mask, and the catalogue of the core's own labels.
+    fn sources(&mut self, outcome: &Outcome, labels: impl Iterator<Item = u32>, catalogue: &[Source]) {
+        let labels: Vec<u32> = labels.collect();
+        let inside = self.front.values().iter().zip(&self.pixels).map(|(&u, v)| u > 0.0 && v.is_finite());
+        let mask: Vec<bool> = inside.collect();
+        let (width, p) = (self.image.width(), self.p);
+        let (wanted, sources) = r::label(&mask, width, p.connectivity, p.min_area);
+        let differ = labels.iter().zip(&wanted).filter(|(one, other)| one != other).count();
+        self.note_number("labels", differ as f64, 0.0, 0.0);
+        self.note_number("labels", f64::from(outcome.sources), sources.into(), sources.into());
+        let pixels = mask.iter().filter(|&&inside| inside).count() as f64;
+        self.note_number("labels", outcome.mask_pixels.into(), pixels, pixels);
+        let truth = r::centroids(&wanted, sources, &self.pixels, width, f64::from(outcome.range.low));
+        for (source, (x, y)) in catalogue.iter().zip(truth) {
+            let (cx, cy) = source.centroid();
+            self.note_number("centroids", (f64::from(cx) - x).hypot(f64::from(cy) - y), 0.0, 0.0);
+        }
+    }
+}
+
+/// A pixel is settled at most this much, in pixels of free motion, after its neighbours' times say: twice the square of
+/// a bucket's width.
+const LATE: f64 = 1.0 / 32.0;

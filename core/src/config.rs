@@ -1,8 +1,14 @@
 //! What a run is to do: immutable, validated once, with the paper's values as defaults.
 
+mod parameter;
+mod table;
 mod validate;
 
+pub use parameter::{End, Forms, Need, Numbers, Parameter, Range, Step, Value, Word};
+pub use table::PARAMETERS;
+
 use crate::detection::Detection;
+use crate::digest::Digest;
 
 /// Step 1: how pixel values become numbers in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,6 +148,32 @@ pub enum Scheme {
     FastMarching,
 }
 
+impl Scheme {
+    /// Every scheme.
+    pub const ALL: [Scheme; 7] = [
+        Scheme::Fd,
+        Scheme::Sl,
+        Scheme::FdCurvature,
+        Scheme::SlCurvature,
+        Scheme::FdFiltered,
+        Scheme::ChanVese,
+        Scheme::FastMarching,
+    ];
+
+    /// Its name among the parameters.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Scheme::Fd => "fd",
+            Scheme::Sl => "sl",
+            Scheme::FdCurvature => "fd-curvature",
+            Scheme::SlCurvature => "sl-curvature",
+            Scheme::FdFiltered => "fd-filtered",
+            Scheme::ChanVese => "chan-vese",
+            Scheme::FastMarching => "fast-marching",
+        }
+    }
+}
+
 /// The weights of Chan and Vese's energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChanVese {
@@ -194,6 +226,16 @@ pub enum Connectivity {
     Four,
     /// Edges and corners.
     Eight,
+}
+
+impl Connectivity {
+    /// Neighbours of a pixel that touch it, the first of [`crate::grid::Grid::neighbours`].
+    pub const fn neighbours(self) -> usize {
+        match self {
+            Connectivity::Four => 4,
+            Connectivity::Eight => 8,
+        }
+    }
 }
 
 /// Everything a run depends on. Lengths are in the paper's unit, in which a pixel measures `dx`.
@@ -283,8 +325,7 @@ impl Config {
     };
 
     /// The default: sources by their significance, one setting for every kind of sky.
-    pub const NOISE_AWARE: Config =
-        Config { detection: Some(Detection::DEFAULT), min_area: Detection::DEFAULT.min_area, ..Config::PAPER_F160 };
+    pub const NOISE_AWARE: Config = Config { detection: Some(Detection::DEFAULT), ..Config::PAPER_F160 };
 
     /// Test 2 of the paper at its best: filter first (Perona-Malik, longer), `r1`, `g2mod`, `DFg`.
     pub const PAPER_REAL: Config = Config {
@@ -333,6 +374,13 @@ impl Config {
             (Scheme::ChanVese, _) => Config { t_max: 200.0 * config.dt, ..config },
             _ => config,
         }
+    }
+
+    /// The CRC-32 of all parameters: what a snapshot knows its configuration by.
+    pub fn digest(&self) -> u32 {
+        let mut digest = Digest::default();
+        table::feed(self, &mut digest);
+        digest.value()
     }
 
     /// The threshold of `r3` before any rule has looked at the image: the given value, else 0.

@@ -2,6 +2,7 @@
 //! at a border each pixel goes to the source that has the most light there.
 
 use crate::arithmetic::{Level, Real};
+use crate::config::Connectivity;
 use crate::detection::{Detection, grown};
 use crate::grid::Grid;
 use crate::tree::{Field, Region, opposite};
@@ -95,7 +96,8 @@ pub fn reopen<L: Level>(
             continue;
         }
         let host = open & !OPEN;
-        let (known, beside) = gather(field.grid, first, (labels, queue), |label| light_of(regions, label));
+        let (known, beside) =
+            gather((field.grid, setting.connectivity), first, (labels, queue), |label| light_of(regions, label));
         let group = queue.get(..known).unwrap_or(&[]);
         let unexplained = {
             let explained = explained((field, typical), labels, regions, [host, beside]);
@@ -122,7 +124,7 @@ pub fn reopen<L: Level>(
 /// Gives a connected group of open pixels back to its host and lists it in the queue. Gives its
 /// length, and of the other sources beside it the one with the most light; 0 for none.
 fn gather<S: PartialOrd>(
-    grid: Grid,
+    (grid, connectivity): (Grid, Connectivity),
     first: usize,
     (labels, queue): (&mut [u32], &mut [u32]),
     light: impl Fn(u32) -> S,
@@ -141,7 +143,7 @@ fn gather<S: PartialOrd>(
     while next < end {
         let at = queue.get(next).map_or(0, |&at| at as usize);
         next += 1;
-        for near in grid.neighbours(at) {
+        for near in grid.neighbours(at).take(connectivity.neighbours()) {
             let label = label_at(labels, near);
             if label == open {
                 end = take(near, labels, queue);

@@ -1,6 +1,7 @@
 //! What the noise-aware segmentation asks of a source: immutable, checked once.
 
 use crate::arithmetic::{Level, Real};
+use crate::config::{Config, Connectivity};
 use crate::error::Error;
 use crate::tree::{Field, Region};
 
@@ -37,6 +38,8 @@ pub struct Detection {
     pub reopened_area: u32,
     /// How much the image is sharpened before it is divided into sources. 0 to 4.
     pub sharpening: f32,
+    /// Which pixels of a source touch.
+    pub connectivity: Connectivity,
 }
 
 /// The photon noise counts with this factor in the variance: the measured one is a lower bound.
@@ -68,6 +71,7 @@ impl Detection {
         excess: 5.5,
         reopened_area: 4,
         sharpening: 0.5,
+        connectivity: Connectivity::Eight,
     };
 
     /// Pixels of a part that was divided from another source, five thirds of [`Detection::min_area`]:
@@ -81,31 +85,7 @@ impl Detection {
     /// # Errors
     /// [`Error::Parameter`] names the first that is out of bounds.
     pub fn validate(&self) -> Result<(), Error> {
-        for (name, value, low, high) in [
-            ("outline", self.outline, 0.1, 100.0),
-            ("front steps", self.front_steps as f32, 0.0, 1000.0),
-            ("curvature", self.curvature, 0.0, 1.0),
-            ("peak", self.peak, 0.0, 100.0),
-            ("false sources", self.false_sources, 0.001, 1000.0),
-            ("false share", self.false_share, 0.0, 0.5),
-            ("branch", self.branch, 0.0, 1e6),
-            ("contrast", self.contrast, 0.0, 1.0),
-            ("light", self.light, 0.0, 1e6),
-            ("min area", self.min_area as f32, 1.0, 1e9),
-            ("excess", self.excess, 0.0, 1e6),
-            ("reopened area", self.reopened_area as f32, 1.0, 1e9),
-            ("sharpening", self.sharpening, 0.0, 4.0),
-        ] {
-            // Written so that a NaN fails.
-            let (enough, within) = (value >= low, value <= high);
-            if !enough {
-                return Err(Error::Parameter { name, value, bound: "at least", limit: low });
-            }
-            if !within {
-                return Err(Error::Parameter { name, value, bound: "at most", limit: high });
-            }
-        }
-        Ok(())
+        Config { detection: Some(*self), ..Config::NOISE_AWARE }.validate_values()
     }
 
     /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough

@@ -104,7 +104,7 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Error::Parameter { name, value, bound, limit } => {
-                write!(f, "{name} is {value}, but must be {bound} {limit}")
+                write!(f, "{name} is {value}; must be {bound} {limit}")
             }
             Error::Size { width, height, least, most_columns, most_pixels } => write!(
                 f,

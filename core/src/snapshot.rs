@@ -8,7 +8,7 @@
 use crate::arithmetic::Arithmetic;
 use crate::catalog::Source;
 use crate::codec::{Codec, Reader, Writer};
-use crate::config::{ChanVese, Config, Diffusivity, Edge, Filter, Normalize, Rescale, Start, Tau};
+use crate::config::Config;
 use crate::digest::Digest;
 use crate::memory::{Memory, flags_len};
 use crate::otsu::BINS;
@@ -19,7 +19,7 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
 const STATE_WORDS: usize = 114;
@@ -64,7 +64,7 @@ impl Header {
             (width as u32, "width"),
             (height as u32, "height"),
             (sources as u32, "length of the catalogue"),
-            (config_digest(config), "configuration"),
+            (config.digest(), "configuration"),
         ])
     }
 }
@@ -73,81 +73,6 @@ impl Header {
 pub const fn bytes(width: usize, height: usize, cell_bytes: usize, window: usize, sources: usize) -> usize {
     let words = HEADER_WORDS + STATE_WORDS + BINS + SOURCE_WORDS * sources + flags_len(width, height) + 1;
     4 * words + cell_bytes * (2 * width * height + ring_len(width, window))
-}
-
-/// The CRC-32 of all parameters: what a snapshot knows its configuration by.
-pub fn config_digest(config: &Config) -> u32 {
-    // Every field by name, so that a new one cannot be forgotten.
-    let Config {
-        normalize,
-        rescale,
-        filter,
-        filter_steps,
-        filter_dt,
-        order,
-        edge,
-        scheme,
-        nu,
-        chan_vese: ChanVese { mu: length, lambda1, lambda2 },
-        curvature_form,
-        degenerate,
-        directions,
-        dx,
-        dt,
-        t_max,
-        eps_front,
-        eps,
-        stop,
-        start,
-        band,
-        connectivity,
-        min_area,
-        // Not a part of the steps that a snapshot interrupts.
-        detection: _,
-    } = *config;
-    let (normalize, low, high) = match normalize {
-        Normalize::MinMax => (0, 0.0, 0.0),
-        Normalize::Percentile { low, high } => (1, low, high),
-        Normalize::Noise { below, above } => (2, below, above),
-    };
-    let (rescale, exponent, tau) = match rescale {
-        Rescale::None => (0, 0.0, 0.0),
-        Rescale::R1 { alpha } => (1, alpha, 0.0),
-        Rescale::R2 { alpha } => (2, alpha, 0.0),
-        Rescale::R3 { beta, tau: Tau::Otsu } => (3, f32::from(beta), 0.0),
-        Rescale::R3 { beta, tau: Tau::Value(tau) } => (4, f32::from(beta), tau),
-        Rescale::R3 { beta, tau: Tau::Kapur } => (5, f32::from(beta), 0.0),
-        Rescale::R3 { beta, tau: Tau::Rosin } => (6, f32::from(beta), 0.0),
-        Rescale::R3 { beta, tau: Tau::Noise { k } } => (7, f32::from(beta), k),
-    };
-    let (filter, mu) = match filter {
-        Filter::None => (0, 0.0),
-        Filter::Heat => (1, 0.0),
-        Filter::PeronaMalik { diffusivity: Diffusivity::F1, mu } => (2, mu),
-        Filter::PeronaMalik { diffusivity: Diffusivity::F2, mu } => (3, mu),
-    };
-    let (edge, sharpness) = match edge {
-        Edge::G1 { p } => (0, p),
-        Edge::G2 => (1, 0.0),
-        Edge::G2Mod { c2 } => (2, c2),
-    };
-    let (start, margin) = match start {
-        Start::Frame => (0, 0.0),
-        Start::Given => (1, 0.0),
-        Start::Threshold { margin } => (2, margin),
-    };
-    let mut digest = Digest::default();
-    let choices = [order as u8, scheme as u8, curvature_form as u8, stop as u8, start, connectivity as u8];
-    digest.bytes(&[normalize, rescale, filter, edge, directions, u8::from(band.is_some())]);
-    digest.bytes(&choices);
-    digest.bytes(&filter_steps.to_le_bytes());
-    digest.bytes(&min_area.to_le_bytes());
-    let band = band.unwrap_or(0.0);
-    let numbers = [low, high, exponent, tau, mu, filter_dt, sharpness, nu, degenerate, dx, dt, t_max, eps_front];
-    for number in numbers.into_iter().chain([eps, band, margin, length, lambda1, lambda2]) {
-        digest.bytes(&number.to_bits().to_le_bytes());
-    }
-    digest.value()
 }
 
 /// A run, as a snapshot sees it.

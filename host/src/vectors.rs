@@ -150,7 +150,7 @@ pub fn describe(config: &Config, traces: &[Trace]) -> Value {
                 Entry::Real(number) => json!(number),
                 Entry::Logical(flag) => json!(flag),
             };
-            (parameter.name.replace('_', "-"), value)
+            (parameter.name.to_owned(), value)
         })
         .collect();
     let runs: Vec<Value> = traces

@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.sources.is_some_and(|sources| sources as u64 > MOST_PIXELS) {
         bail!(Usage("--sources must be at most 2^30"));
     }
-    let config = arguments.options.config();
+    let config = arguments.options.config()?;
     let size = (arguments.width, arguments.height);
     if config.detection.is_some() {
         arguments.options.arithmetic.validate(&config)?;

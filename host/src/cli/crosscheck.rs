@@ -1,6 +1,5 @@
 //! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
 
-use super::choices::SchemeOption;
 use super::say::{Stderr, Stdout};
 use super::{Options, Usage};
 use crate::crosscheck::{Tolerances, crosscheck, json, table, unheard_of};
@@ -10,8 +9,8 @@ use crate::vectors::{self, INPUT, MANIFEST, Trace};
 use crate::write::Products;
 use anyhow::{Context, Result, bail};
 use clap::{Args, Parser};
-use serde_json::{Value, json};
-use skyfront_core::config::Config;
+use serde_json::{Value as Json, json};
+use skyfront_core::config::{Config, Scheme, Value};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
@@ -93,11 +92,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     match (&arguments.from_vectors, &arguments.image) {
         (Some(folder), _) => replay(folder),
         (None, Some(path)) => {
-            if let Some(what) = unheard_of(&arguments.options.config()) {
+            if let Some(what) = unheard_of(&arguments.options.config()?) {
                 bail!(Usage(what));
             }
             let image = read::image(path, arguments.hdu.as_ref())?;
-            let configs = configs(&arguments.options);
+            let configs = configs(&arguments.options)?;
             if let Some(folder) = &arguments.vectors {
                 export(folder, &configs, &image, arguments.overwrite)?;
             }
@@ -108,11 +107,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// One configuration a scheme: the chosen one, or all of the paper's.
-fn configs(options: &Options) -> Vec<Config> {
-    use SchemeOption::{Fd, FdCurvature, Sl, SlCurvature};
-    let papers = [Fd, Sl, FdCurvature, SlCurvature].into_iter();
-    let schemes = options.scheme.map_or(papers.collect(), |scheme| vec![scheme]);
-    schemes.into_iter().map(|scheme| Options { scheme: Some(scheme), ..options.clone() }.config()).collect()
+fn configs(options: &Options) -> Result<Vec<Config>> {
+    if options.given.get("scheme").is_some() {
+        return Ok(vec![options.config()?]);
+    }
+    let papers = [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature];
+    let with = |scheme: Scheme| {
+        let given = options.given.with("scheme", Value::word(scheme.name()));
+        Options { given, ..options.clone() }.config()
+    };
+    papers.into_iter().map(with).collect()
 }
 
 fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -> Result<()> {
@@ -180,7 +184,7 @@ struct Line {
 fn replay(folder: &Path) -> Result<()> {
     let path = folder.join(MANIFEST);
     let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    let manifest: Value = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
+    let manifest: Json = serde_json::from_str(&text).with_context(|| path.display().to_string())?;
     let side = |name: &str| manifest[name].as_u64().and_then(|n| usize::try_from(n).ok());
     let (Some(width), Some(height)) = (side("width"), side("height")) else {
         bail!("{}: no width and height", path.display());
@@ -218,7 +222,7 @@ fn replay(folder: &Path) -> Result<()> {
 }
 
 /// The configuration that the options of a manifest amount to.
-fn configuration_of(options: &Value) -> Result<Config> {
+fn configuration_of(options: &Json) -> Result<Config> {
     let options = options.as_object().context("a configuration without options")?;
     let given = options.iter().flat_map(|(name, value)| {
         let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
@@ -226,11 +230,11 @@ fn configuration_of(options: &Value) -> Result<Config> {
     });
     // All vectors are those of a front.
     let preset = ["--preset", "paper-f160"].map(str::to_owned).into_iter().filter(|_| !options.contains_key("preset"));
-    Ok(Line::try_parse_from(preset.chain(given)).context("options of the vectors")?.options.config())
+    Line::try_parse_from(preset.chain(given)).context("options of the vectors")?.options.config()
 }
 
 /// The first stage of a run in a manifest whose digest is not that of the trace.
-fn first_difference(run: &Value, trace: &Trace) -> Option<String> {
+fn first_difference(run: &Json, trace: &Trace) -> Option<String> {
     let stages = run["stages"].as_array().map_or(&[][..], Vec::as_slice);
     if stages.len() != trace.planes.len() {
         return Some(format!("{} stages, not {}", trace.planes.len(), stages.len()));

@@ -56,7 +56,7 @@ pub struct Measuring {
     map_only: bool,
     /// The time at which the front came to each pixel as arrival.fits, in the paper's unit; for
     /// the fast-marching scheme in f32.
-    #[arg(long, help_heading = "Front")]
+    #[arg(long, help_heading = "Front (--method rescaling)")]
     arrival: bool,
 }
 

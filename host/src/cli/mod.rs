@@ -10,6 +10,8 @@ mod columns;
 mod crosscheck;
 mod demo;
 mod folders;
+mod foreign;
+mod given;
 mod instructions;
 mod job;
 mod manual;
@@ -17,6 +19,7 @@ mod measuring;
 mod memory;
 mod messages;
 mod options;
+mod parameters;
 mod presets;
 mod reproduce;
 mod say;
@@ -32,8 +35,10 @@ pub use measuring::Measuring;
 pub use options::Options;
 
 use anyhow::Result;
-use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+use given::Unused;
 use say::{Stderr, Stdout, Unwritten};
+use skyfront_core::config::Parameter;
 use skyfront_core::error::Error;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -60,7 +65,7 @@ enum Command {
     Crosscheck(Box<crosscheck::Arguments>),
     /// Run every caption of the paper's Tests 1 and 2 and print its times beside ours.
     Reproduce(reproduce::Arguments),
-    /// Make a simulated sky and segment it. Without any command this goes into skyfront-out/.
+    /// Make a simulated sky, segment it and compare the result with its truth; needs no option.
     Demo(demo::Arguments),
     /// Tell the most memory and row operations that a run can need, before it starts.
     Budget(Box<budget::Arguments>),
@@ -70,6 +75,8 @@ enum Command {
     Score(score::Arguments),
     /// List the presets with their settings.
     Presets,
+    /// List all parameters with their units, bounds, defaults and meanings.
+    Parameters,
     /// List the columns of the catalogue and the bits of its flags.
     Columns(columns::Arguments),
     /// Print a manual page (read it with `skyfront man | man -l -`).
@@ -80,18 +87,57 @@ enum Command {
 
 /// Runs a command line, the program's name first.
 pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let mut command = Cli::command();
+    let mut command = command();
     let matches = settings::parse(&mut command, line.into_iter().collect()).unwrap_or_else(|error| say::exit(&error));
-    let done = match dumped(&mut command, &matches) {
+    let done = dumped(&mut command, &matches).and_then(|text| match text {
         Some(text) => write!(Stdout, "{text}").map(|()| ExitCode::SUCCESS).map_err(anyhow::Error::from),
         None => obey(Cli::from_arg_matches(&matches).unwrap_or_else(|error| say::exit(&error.format(&mut command)))),
-    };
+    });
     done.unwrap_or_else(|error| {
         if !error.downcast_ref().is_some_and(Unwritten::is_gone) {
-            writeln!(Stderr, "skyfront: {error:#}");
+            writeln!(Stderr, "skyfront: {}", message(&error));
         }
         if is_usage(&error) { ExitCode::from(2) } else { ExitCode::FAILURE }
     })
+}
+
+/// Options of `segment` beside the common parameters that its short help shows.
+const SHORT: [&str; 17] = [
+    "images",
+    "out",
+    "config_file",
+    "preset",
+    "mask",
+    "weight",
+    "weight_type",
+    "background",
+    "gain",
+    "zero_point",
+    "apertures",
+    "regions",
+    "no_pictures",
+    "overwrite",
+    "jobs",
+    "quiet",
+    "verbose",
+];
+
+/// The definition of the command line.
+fn command() -> clap::Command {
+    let parameter = |arg: &Arg| Parameter::named(arg.get_id().as_str()).is_some();
+    let short = move |arg: Arg| {
+        let shown = parameter(&arg) || SHORT.contains(&arg.get_id().as_str());
+        if shown { arg } else { arg.hide_short_help(true) }
+    };
+    Cli::command().mut_subcommand("segment", |segment| segment.mut_args(short))
+}
+
+/// An error in one line; a parameter out of bounds by the name of its option.
+fn message(error: &anyhow::Error) -> String {
+    match error.downcast_ref::<Error>() {
+        Some(refused @ Error::Parameter { .. }) => format!("--{refused}"),
+        _ => format!("{error:#}"),
+    }
 }
 
 /// Options that do not go together.
@@ -102,7 +148,7 @@ struct Usage(&'static str);
 /// Whether an error lies in the command line, not in the files.
 fn is_usage(error: &anyhow::Error) -> bool {
     let refused = matches!(error.downcast_ref::<Error>(), Some(Error::Parameter { .. } | Error::Arithmetic { .. }));
-    refused || error.is::<Usage>()
+    refused || error.is::<Usage>() || error.is::<Unused>()
 }
 
 fn obey(cli: Cli) -> Result<ExitCode> {
@@ -115,18 +161,21 @@ fn obey(cli: Cli) -> Result<ExitCode> {
         Some(Command::Simulate(arguments)) => simulate::run(&arguments)?,
         Some(Command::Score(arguments)) => score::run(&arguments)?,
         Some(Command::Presets) => presets::run()?,
+        Some(Command::Parameters) => parameters::run()?,
         Some(Command::Columns(arguments)) => columns::run(&arguments)?,
         Some(Command::Man(arguments)) => manual::man(&arguments)?,
         Some(Command::Completions(arguments)) => manual::completions(&arguments)?,
-        None => demo::run(&demo::Arguments::into_default_folder())?,
+        None => write!(Stdout, "{}", Cli::command().render_help())?,
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// What `--dump-config` prints, where it is asked for.
-fn dumped(command: &mut clap::Command, matches: &ArgMatches) -> Option<String> {
-    let (name, given) = matches.subcommand()?;
-    given.try_get_one::<bool>("dump_config").ok().flatten().filter(|&&wanted| wanted)?;
+fn dumped(command: &mut clap::Command, matches: &ArgMatches) -> Result<Option<String>> {
+    let Some((name, given)) = matches.subcommand() else { return Ok(None) };
+    let wanted = given.try_get_one::<bool>("dump_config").ok().flatten();
+    let Some(true) = wanted else { return Ok(None) };
     let options = Options::from_arg_matches(given).unwrap_or_else(|error| say::exit(&error.format(command)));
-    Some(settings::dump(command.find_subcommand(name)?, given, &options.config()))
+    let config = options.config()?;
+    Ok(command.find_subcommand(name).map(|subcommand| settings::dump(subcommand, given, &config)))
 }

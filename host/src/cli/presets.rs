@@ -16,7 +16,7 @@ pub fn run() -> Result<(), Unwritten> {
             writeln!(Stdout, "    {help}")?;
         }
         for parameter in parameters(&preset.config()) {
-            writeln!(Stdout, "    {:16}{}", parameter.name.replace('_', "-"), parameter.value)?;
+            writeln!(Stdout, "    {:20}{}", parameter.name, parameter.value)?;
         }
     }
     Ok(())

@@ -105,7 +105,7 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let config = arguments.options.config();
+    let config = arguments.options.config()?;
     arguments.options.arithmetic.validate(&config)?;
     arguments.measuring.validate()?;
     let marches = config.scheme == Scheme::FastMarching && arguments.options.arithmetic == ArithmeticOption::F32;
@@ -113,7 +113,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));
     }
     if arguments.manner().request.sky && config.detection.is_none() {
-        bail!(Usage("--sky-maps needs the noise-aware segmentation: only there sky and noise are mapped"));
+        bail!(Usage("--sky-maps is not used by --method rescaling: only --method significance maps sky and noise"));
     }
     match arguments.images.as_slice() {
         [path] => {

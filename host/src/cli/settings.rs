@@ -4,11 +4,12 @@
 //! the help says come from the same definitions. The command line goes before the file, the file
 //! before the preset.
 
+use super::foreign::{ours, translated};
 use crate::provenance::parameters;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, Error};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Start};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -33,7 +34,7 @@ fn settings(command: &Command) -> impl Iterator<Item = (&Arg, &str)> {
 /// # Errors
 /// What is wrong with the line, or with the file, which is then named.
 pub fn parse(command: &mut Command, mut line: Vec<OsString>) -> Result<ArgMatches, Error> {
-    let matches = command.try_get_matches_from_mut(&line)?;
+    let matches = command.try_get_matches_from_mut(&line).map_err(|error| translated(error, &line))?;
     let Some((name, given)) = matches.subcommand() else { return Ok(matches) };
     let (Ok(Some(path)), Some(subcommand)) = (given.try_get_one::<PathBuf>(FILE), command.find_subcommand(name)) else {
         return Ok(matches);
@@ -54,6 +55,9 @@ fn from_file(command: &Command, given: &ArgMatches, path: &Path) -> Result<Vec<O
         // summary.json spells the names with underscores; both are welcome.
         let name = key.replace('_', "-");
         let Some((arg, _)) = settings(command).find(|(_, long)| *long == name) else {
+            if let Some(ours) = ours(key) {
+                return Err(format!("unknown key '{key}'; here it is {ours}"));
+            }
             let known: Vec<&str> = settings(command).map(|(_, long)| long).collect();
             return Err(format!("unknown key '{key}'; known are {}", known.join(", ")));
         };
@@ -110,15 +114,14 @@ fn one_line(text: &str) -> String {
 
 /// The effective settings of a command line as a configuration file.
 pub fn dump(command: &Command, given: &ArgMatches, config: &Config) -> String {
-    let effective: BTreeMap<String, String> = parameters(config)
-        .into_iter()
-        .map(|parameter| (parameter.name.replace('_', "-"), parameter.value.to_string()))
-        .collect();
+    let effective: BTreeMap<&str, String> =
+        parameters(config).into_iter().map(|parameter| (parameter.name, parameter.value.to_string())).collect();
     let mut text = format!("# Settings of skyfront {}.\n", env!("CARGO_PKG_VERSION"));
     for (arg, name) in settings(command) {
         let values = match effective.get(name) {
-            Some(value) => vec![value.clone()],
-            None => raw_values(arg, given),
+            // The configuration knows that there is a map, the command line knows which.
+            Some(value) if !matches!(config.start, Start::Given) || name != "start" => vec![value.clone()],
+            _ => raw_values(arg, given),
         };
         let value = match values.as_slice() {
             [] => continue,

@@ -3,6 +3,7 @@
 //! Row 0 of an image is its bottom row, as astronomers draw it. Colours are told apart by
 //! colour-blind people too (Okabe and Ito, <https://jfly.uni-koeln.de/color/>).
 
+mod beside;
 mod canvas;
 mod contact;
 mod outline;
@@ -10,6 +11,7 @@ mod overlay;
 mod stages;
 mod stretch;
 
+pub use beside::side_by_side;
 pub use canvas::Canvas;
 pub use contact::contact_sheet;
 pub use overlay::overlay;

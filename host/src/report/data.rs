@@ -37,10 +37,8 @@ pub fn page_data(subject: &Subject<'_>) -> Value {
     let Subject { config, input, run, catalogue, .. } = *subject;
     let name = &input.detected.name;
     let title = std::path::Path::new(name).file_name().map_or(name.into(), |name| name.to_string_lossy());
-    let parameters: Vec<Value> = parameters(config)
-        .iter()
-        .map(|parameter| json!([parameter.name.replace('_', "-"), parameter.value.to_string()]))
-        .collect();
+    let parameters: Vec<Value> =
+        parameters(config).iter().map(|parameter| json!([parameter.name, parameter.value.to_string()])).collect();
     json!({
         "title": title,
         "width": run.width,
@@ -160,7 +158,7 @@ fn histogram(subject: &Subject<'_>) -> Value {
             "to": shown::GREATEST,
             "axis": "signal to noise",
             "limit": shortest(detection.outline),
-            "limit_name": "outline",
+            "limit_name": "threshold",
             "note": format!("The smoothed image in {BINS} bins, values beyond the ends in the first and the last one, with the level of the outlines."),
         });
     }

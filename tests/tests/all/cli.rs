@@ -1,8 +1,9 @@
 //! The command line as a user meets it: results, messages, exit codes, and nothing half-written.
 
-use skyfront_tests::command::{Folder, messages, skyfront};
+use skyfront_tests::command::{Folder, messages, program, skyfront};
 use skyfront_tests::fits_bytes::{Header, samples};
 use std::fs;
+use std::process::Command;
 
 const PRODUCTS: [&str; 9] = [
     "catalog.csv",
@@ -46,12 +47,56 @@ fn the_demo_makes_a_sky_and_every_product() {
     let folder = Folder::new("demo");
     let output = skyfront(["demo", "--out", &folder.file("out")]);
     assert!(output.status.success(), "{}", messages(&output));
-    assert!(messages(&output).contains("sources"), "{}", messages(&output));
     let mut expected: Vec<&str> = PRODUCTS.to_vec();
-    expected.push("sky.fits");
+    expected.extend(["sky.fits", "truth.fits", "demo.png", "demo.json"]);
     expected.sort_unstable();
     assert_eq!(folder.names("out"), expected);
-    assert!(summary(&folder, "out")["n_sources"].as_u64().expect("a number") >= 3);
+
+    // What it says of the default is what scoring the map against the truth gives.
+    let [sky, truth, map] = ["sky", "truth", "segmentation"].map(|name| folder.file(&format!("out/{name}.fits")));
+    let score = skyfront(["score", &truth, &map, "--image", &sky]);
+    let score: serde_json::Value = serde_json::from_slice(&score.stdout).expect("JSON");
+    let text = fs::read_to_string(folder.file("out/demo.json")).expect("a record");
+    let record: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let of = |run: &str, what: &str| record[run][what].as_u64().expect("a number");
+    for (ours, theirs) in [("found", "tp"), ("false", "fp"), ("objects", "n_truth"), ("sources", "n_seg")] {
+        assert_eq!(record["default"][ours], score[theirs], "{ours}");
+    }
+    assert!(10 * of("default", "found") > 9 * of("default", "objects") && of("default", "false") <= 2, "{record}");
+    let said = messages(&output);
+    for (run, name) in [("default", "The default"), ("paper", "The paper's setting")] {
+        let line = said.lines().find(|line| line.starts_with(name)).expect("a line for each setting");
+        let finds = format!("finds {} of the {} objects, and ", of(run, "found"), of(run, "objects"));
+        let wrong = format!("and {} of its {} sources false", of(run, "false"), of(run, "sources"));
+        assert!(line.contains(&finds) && line.contains(&wrong), "{line}");
+    }
+    assert!(said.contains("demo.png first"), "{said}");
+}
+
+#[test]
+fn the_demo_renews_its_own_files_and_no_others() {
+    let folder = Folder::new("demo-again");
+    let demo = |more: Option<&str>| skyfront(["demo", "--quiet", "--out", &folder.file("out")].into_iter().chain(more));
+    assert!(demo(None).status.success());
+    assert!(demo(None).status.success(), "its own files are renewed");
+    let picture = folder.file("out/overlay.png");
+    fs::write(&picture, "mine").expect("the file can be written");
+    let refused = demo(None);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(messages(&refused).contains("--overwrite"), "{}", messages(&refused));
+    assert_eq!(fs::read(&picture).expect("still there"), b"mine");
+    assert!(demo(Some("--overwrite")).status.success());
+    assert!(demo(None).status.success());
+}
+
+#[test]
+fn without_a_command_there_is_help_and_nothing_is_written() {
+    let folder = Folder::new("bare");
+    let output = Command::new(program()).current_dir(folder.path()).output().expect("the program can be started");
+    assert!(output.status.success() && output.stderr.is_empty());
+    let help = String::from_utf8(output.stdout).expect("text");
+    assert!(help.contains("Usage: skyfront") && help.contains("demo"), "{help}");
+    assert!(folder.names(".").is_empty(), "{:?}", folder.names("."));
 }
 
 #[test]
@@ -67,8 +112,10 @@ fn a_segmented_file_gives_the_same_bytes_as_the_demo_and_as_itself() {
         let read = |run: &str| fs::read(folder.path().join(run).join(product)).expect("the product was written");
         assert_eq!(read("one"), read("two"), "{product} differs between two runs");
     }
+    let output = skyfront(["segment", &sky, "--quiet", "--out", &folder.file("default")]);
+    assert!(output.status.success(), "{}", messages(&output));
     let digest = |run: &str| summary(&folder, run)["labels_crc32"].clone();
-    assert_eq!(digest("one"), digest("demo"));
+    assert_eq!(digest("default"), digest("demo"));
 }
 
 #[test]
@@ -167,12 +214,12 @@ fn parameters_out_of_bounds_name_parameter_value_and_bound() {
     let (folder, sky) = with_sky("bounds");
     let out = folder.file("out");
     let cases: [(&[&str], &[&str]); 6] = [
-        (&["--dt", "0.06"], &["time step", "0.06", "at most 0.05"]),
-        (&["--rescale", "r1", "--alpha", "1.5"], &["alpha", "1.5", "below 1"]),
+        (&["--dt", "0.06"], &["--dt is 0.06; must be at most 0.05"]),
+        (&["--rescale", "r1", "--alpha", "1.5"], &["--alpha is 1.5; must be below 1"]),
         (&["--c2", "1"], &["c2", "below 1"]),
-        (&["--filter-dt", "0.01"], &["filter time step", "0.01", "at most 0.0025"]),
-        (&["--t-max", "nan"], &["t_max", "NaN"]),
-        (&["--range", "60,40"], &["percentile", "40", "above 60"]),
+        (&["--filter-dt", "0.01"], &["--filter-dt is 0.01; must be at most 0.0025"]),
+        (&["--t-max", "nan"], &["--t-max is NaN; must be"]),
+        (&["--normalize", "percentile", "--range", "60,40"], &["--range is 40; must be above 60"]),
     ];
     for (options, words) in cases {
         let arguments =

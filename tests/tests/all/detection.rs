@@ -217,11 +217,11 @@ fn small_and_constant_frames_are_taken() {
 #[test]
 fn settings_out_of_bounds_are_named() {
     let wrong = [
-        ("outline", Detection { outline: 0.0, ..Detection::DEFAULT }),
-        ("peak", Detection { peak: f32::NAN, ..Detection::DEFAULT }),
-        ("false share", Detection { false_share: 0.6, ..Detection::DEFAULT }),
-        ("min area", Detection { min_area: 0, ..Detection::DEFAULT }),
-        ("sharpening", Detection { sharpening: 5.0, ..Detection::DEFAULT }),
+        ("threshold", Detection { outline: 0.0, ..Detection::DEFAULT }),
+        ("min-peak", Detection { peak: f32::NAN, ..Detection::DEFAULT }),
+        ("false-share", Detection { false_share: 0.6, ..Detection::DEFAULT }),
+        ("min-area", Detection { min_area: 0, ..Detection::DEFAULT }),
+        ("deblend-sharpening", Detection { sharpening: 5.0, ..Detection::DEFAULT }),
     ];
     for (expected, setting) in wrong {
         match segment::<f32>(&setting, &[0.0; 64], 8, &Drive::default()) {

@@ -79,7 +79,7 @@ fn explicit_curvature_at_its_bound_still_grows_a_disc() {
         assert_eq!(config.validate::<F32>(), Ok(()));
         assert_grown(config, grown(nu.into()));
         let longer = Config { dt: dt * 1.01, ..config };
-        assert!(matches!(longer.validate::<F32>(), Err(Error::Parameter { name: "time step", .. })));
+        assert!(matches!(longer.validate::<F32>(), Err(Error::Parameter { name: "dt", .. })));
     }
 }
 

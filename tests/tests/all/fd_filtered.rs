@@ -157,6 +157,6 @@ fn it_finds_what_fd_finds() {
 #[test]
 fn a_step_beyond_its_bound_is_refused() {
     let config = Config { dt: plain().dx * 0.41, ..plain() };
-    assert!(matches!(config.validate::<F32>(), Err(Error::Parameter { name: "time step", .. })));
+    assert!(matches!(config.validate::<F32>(), Err(Error::Parameter { name: "dt", .. })));
     assert_eq!(Config { dt: plain().dx * 0.4, ..plain() }.validate::<F32>(), Ok(()));
 }

@@ -1,6 +1,7 @@
 //! What people expect of a command: configuration files, presets, many inputs, manual, completions.
 
 use skyfront::write::fits::Writer;
+use skyfront_core::config::PARAMETERS;
 use skyfront_core::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_tests::command::{Folder, messages, program, skyfront};
@@ -38,11 +39,13 @@ fn dumped(options: &[&str]) -> String {
 fn dumped_settings_give_the_same_settings_again() {
     let folder = Folder::new("dump");
     let file = folder.file("settings.toml");
-    let cases: [&[&str]; 5] = [
+    let cases: [&[&str]; 7] = [
         &[],
         &["--preset", "paper-f160"],
-        &["--preset", "paper-real", "--mu", "2", "--hdu", "SCI,2", "--no-pictures"],
-        &["--rescale", "r3", "--tau", "0.25", "--range", "1,99.5", "--scheme", "sl-curvature", "--nu", "1e-5"],
+        &["--preset", "paper-real", "--pm-mu", "2", "--hdu", "SCI,2", "--no-pictures"],
+        &["--method", "rescaling", "--tau", "0.25", "--normalize", "percentile", "--range", "1,99.5"],
+        &["--preset", "paper-f160", "--scheme", "sl-curvature", "--nu", "1e-5", "--start", "map.fits", "--margin", "7"],
+        &["--threshold", "1.5", "--connectivity", "4", "--deblend-contrast", "0.01", "--min-area", "9"],
         &["--preset", "paper-f160", "--rescale", "r2", "--alpha", "0.3", "--edge", "g1", "--p", "10", "--jobs", "3"],
     ];
     for options in cases {
@@ -80,6 +83,7 @@ fn a_bad_configuration_names_file_and_key() {
         ("out = 'x'", "unknown key 'out'"),
         ("alpha = 'much'", "--alpha"),
         ("scheme = 'upwind'", "fd-curvature"),
+        ("start = 'frame'\nalpha = [1, 2]", "--alpha"),
         ("overwrite = 1", "key 'overwrite'"),
         ("[front]\ndx = 1", "unknown key 'front'"),
         ("alpha = ", "line 1"),
@@ -215,8 +219,17 @@ fn help_manual_and_completions_come_from_the_options() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         assert!(stdout(&skyfront(["completions", shell])).contains("curvature-form"), "{shell}");
     }
+    let short = stdout(&skyfront(["segment", "-h"]));
+    assert!(short.lines().count() <= 50, "the short help fits a screen:\n{short}");
+    let (long, listed) = (stdout(&skyfront(["segment", "--help"])), stdout(&skyfront(["parameters"])));
+    for parameter in PARAMETERS {
+        let option = format!("--{} ", parameter.name);
+        assert!(long.contains(&option) && listed.contains(&option), "{option}");
+        assert_eq!(short.contains(&option), parameter.common, "{option}");
+        assert!(listed.contains(parameter.help) && long.contains(parameter.step.title()), "{option}");
+    }
     let presets = stdout(&skyfront(["presets"]));
-    for words in ["paper-f160", "paper-real", "c2              0.78"] {
+    for words in ["paper-f160", "paper-real", "c2                  0.78", "deblend-contrast    0.0005"] {
         assert!(presets.contains(words), "'{words}' is not in:\n{presets}");
     }
 }

@@ -27,6 +27,7 @@ mod reference_facts;
 mod report;
 mod rules;
 mod scores;
+mod settings;
 mod sky;
 mod snapshots;
 mod sources;

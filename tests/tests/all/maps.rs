@@ -118,7 +118,7 @@ fn maps_that_cannot_be_meant_are_refused_in_one_line() {
         ),
         (&["--weight", &file("small.fits"), "--weight-type", "rms"], &["--weight", "64 x 63"]),
         (&["--measure", &file("small.fits")], &["--measure", "64 x 63"]),
-        (&["--start", &file("none.fits")], &["--start", "marks no pixel"]),
+        (&["--preset", "paper-f160", "--start", &file("none.fits")], &["--start", "marks no pixel"]),
     ];
     for (options, words) in cases {
         let (line, code) = refused(&folder, options);
@@ -254,7 +254,7 @@ fn a_front_starts_from_a_map_and_its_own_result_is_at_rest() {
     let again = plane(&folder, "again/segmentation.fits");
     let differ = frame.iter().zip(&again).filter(|(a, b)| (**a > 0.0) != (**b > 0.0)).count();
     assert!(differ <= 8 && steps("again") < steps("near"), "{differ} pixels, {} steps", steps("again"));
-    let dumped = skyfront(["segment", "--dump-config", "--start", &front]);
+    let dumped = skyfront(["segment", "--dump-config", PAPER[0], PAPER[1], "--start", &front]);
     assert!(String::from_utf8_lossy(&dumped.stdout).contains(&format!("start = \"{front}\"")));
 }
 

@@ -138,19 +138,16 @@ fn what_a_caller_can_get_wrong_is_an_error_with_names_and_numbers() {
     );
     assert_eq!(error(good, &vec![f32::NAN; WIDTH * HEIGHT]), "none of the 2867 pixels is a finite number");
     for (config, words) in [
-        (Config { dt: 0.051, ..good }, "time step is 0.051, but must be at most 0.05"),
-        (Config { dt: 0.11, ..good.with_scheme(Scheme::Sl) }, "time step is 0.11, but must be at most 0.1"),
-        (
-            Config { nu: 0.5, ..good.with_scheme(Scheme::FdCurvature) },
-            "time step is 0.010000001, but must be at most 0.00833334",
-        ),
-        (Config { nu: -0.1, ..good }, "nu is -0.1, but must be at least 0"),
-        (Config { filter_dt: 0.003, ..good }, "filter time step is 0.003, but must be at most 0.0025"),
-        (Config { rescale: Rescale::R3 { beta: 0, tau: Tau::Otsu }, ..good }, "beta is 0, but must be at least 1"),
-        (Config { rescale: Rescale::R1 { alpha: f32::NAN }, ..good }, "alpha is NaN, but must be above 0"),
-        (Config { edge: Edge::G2Mod { c2: 1.0 }, ..good }, "c2 is 1, but must be below 1"),
-        (Config { filter: Filter::None, eps: 0.0, ..good }, "eps is 0, but must be above 0"),
-        (Config { directions: 12, ..good }, "directions is 12, but must be 16 or 64"),
+        (Config { dt: 0.051, ..good }, "dt is 0.051; must be at most 0.05"),
+        (Config { dt: 0.11, ..good.with_scheme(Scheme::Sl) }, "dt is 0.11; must be at most 0.1"),
+        (Config { nu: 0.5, ..good.with_scheme(Scheme::FdCurvature) }, "dt is 0.010000001; must be at most 0.00833333"),
+        (Config { nu: -0.1, ..good }, "nu is -0.1; must be at least 0"),
+        (Config { filter_dt: 0.003, ..good }, "filter-dt is 0.003; must be at most 0.0025"),
+        (Config { rescale: Rescale::R3 { beta: 0, tau: Tau::Otsu }, ..good }, "beta is 0; must be at least 1"),
+        (Config { rescale: Rescale::R1 { alpha: f32::NAN }, ..good }, "alpha is NaN; must be above 0"),
+        (Config { edge: Edge::G2Mod { c2: 1.0 }, ..good }, "c2 is 1; must be below 1"),
+        (Config { filter: Filter::None, eps: 0.0, ..good }, "eps is 0; must be above 0"),
+        (Config { directions: 12, ..good }, "directions is 12; must be 16 or 64"),
     ] {
         let said = error(config, &pixels);
         assert!(said.starts_with(words), "'{said}' does not begin with '{words}'");

@@ -125,8 +125,11 @@ const READER: &str = r#"async () => {
 #[test]
 fn outlines_and_rows_point_at_each_other() {
     let folder = Folder::new("report");
-    let demo = skyfront(["demo", "--quiet", "--out", &folder.file("out")]);
+    let demo = skyfront(["demo", "--quiet", "--out", &folder.file("demo")]);
     assert!(demo.status.success(), "{}", messages(&demo));
+    let front = ["--preset", "paper-f160", "--quiet", "--out", &folder.file("out")];
+    let run = skyfront([["segment", &folder.file("demo/sky.fits")].as_slice(), &front].concat());
+    assert!(run.status.success(), "{}", messages(&run));
     let found = in_browser(&folder, &folder.path().join("out/report.html"), READER);
     let n = found["sources"].as_u64().expect("a number");
     assert!(n >= 3, "{found}");
@@ -187,7 +190,7 @@ fn the_default_shows_its_own_stages_and_threshold_and_no_front() {
         assert_eq!(click, &serde_json::json!([i, [i], true]), "a click brings the row into view: {found}");
     }
     assert_eq!((&found["stages"], &found["convergence"]), (&serde_json::json!(5), &serde_json::Value::Null));
-    assert_eq!(found["tau"], "outline = 1");
+    assert_eq!(found["tau"], "threshold = 1");
 }
 
 #[test]

@@ -27,15 +27,17 @@ use crate::tail::Tail;
 use crate::tree::{Field, NONE, Region, grow, root};
 use crate::typical::Typical;
 
-/// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
+/// The caller's memory: nine planes of 32 bits, the mesh and the table of regions.
 #[derive(Debug)]
 pub struct Workspace<'m, L: Level> {
     /// W x H: signal-to-noise, in the end.
     pub signal: &'m mut [L],
     /// W x H: lightly smoothed, then the matched image.
     pub fine: &'m mut [L],
-    /// W x H: smoothed by need, then the front, above 0 inside the outlines.
+    /// W x H: smoothed by need.
     pub smooth: &'m mut [L],
+    /// W x H: the front, above 0 inside the outlines.
+    pub front: &'m mut [L],
     /// W x H: 1 near sources, 0 on sky.
     pub masked: &'m mut [L],
     /// W x H: scratch.
@@ -59,10 +61,10 @@ pub const fn regions(width: usize, height: usize) -> usize {
 
 const _: () = assert!(size_of::<Region<f32>>() == size_of::<Region<Fixed14>>());
 
-/// Bytes of a [`Workspace`]: eight planes (signal, fine, smooth, masked, scratch, parents, order,
+/// Bytes of a [`Workspace`]: nine planes (signal, fine, smooth, front, masked, scratch, parents, order,
 /// labels), the mesh and the regions.
 pub const fn bytes(width: usize, height: usize) -> usize {
-    8 * 4 * width * height
+    9 * 4 * width * height
         + mesh_cells(width, height) * size_of::<Sky>()
         + regions(width, height) * size_of::<Region<f32>>()
 }
@@ -165,7 +167,8 @@ pub fn detect<L: Level>(
         curvature: L::Weight::of(setting.curvature),
         steps: setting.front_steps,
     };
-    front.outline(work.fine, work.smooth, work.scratch, grid);
+    work.front.iter_mut().zip(work.smooth.iter()).for_each(|(front, &smooth)| *front = smooth);
+    front.outline(work.fine, work.front, work.scratch, grid);
     let unlabelled = separate(&view, (fine.noise, photon), setting, work);
     drop_undefined(&view, work.labels);
     let (significance, least) = cut(&view, setting, work);
@@ -204,7 +207,7 @@ fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Wor
     if work.mesh.len() < needed {
         return Err(Error::Length { name: "the mesh", given: work.mesh.len(), needed });
     }
-    let floats = [&work.signal, &work.fine, &work.smooth, &work.masked, &work.scratch].map(|plane| plane.len());
+    let floats = [&work.signal, &work.fine, &work.smooth, &work.front, &work.masked, &work.scratch].map(|plane| plane.len());
     let words = [&work.parents, &work.order, &work.labels].map(|plane| plane.len());
     let maps = [known.background, known.noise].into_iter().flatten().map(<[f32]>::len);
     match floats.into_iter().chain(words).chain(maps).find(|&given| given != count) {
@@ -225,7 +228,7 @@ fn separate<L: Level>(
     Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
     let field = Field { values: work.fine, grid };
     let mut used = 0;
-    for (at, &front) in (0u32..).zip(work.smooth.iter()) {
+    for (at, &front) in (0u32..).zip(work.front.iter()) {
         let inside = front > L::ZERO && view.has_signal(at as usize);
         if let (true, Some(place)) = (inside, work.order.get_mut(used)) {
             *place = at;

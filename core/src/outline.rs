@@ -56,7 +56,7 @@ impl<L: Level> Front<L> {
         let mut left = plane;
         for (y, signal) in signal.chunks_exact(width).enumerate() {
             let Some((out, above)) = left.split_at_mut_checked(width) else { return };
-            own.copy_from_slice(out);
+            own.iter_mut().zip(out.iter()).for_each(|(own, &u)| *own = u);
             // Beyond the frame u is what it is at its border.
             let above_row = above.get(..width).unwrap_or(own);
             let below_row = if y == 0 { &*own } else { &*below };
@@ -146,7 +146,7 @@ impl<L: Level> Around<'_, L> {
         self.0.map(|row| {
             let mut window = [L::ZERO; PIECE + 2];
             match first.checked_sub(1).and_then(|start| row.get(start..start.saturating_add(PIECE + 2))) {
-                Some(inner) => window.copy_from_slice(inner),
+                Some(inner) => window.iter_mut().zip(inner).for_each(|(value, &u)| *value = u),
                 None => {
                     let last = row.len().saturating_sub(1);
                     for (index, value) in window.iter_mut().enumerate() {

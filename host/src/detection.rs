@@ -21,7 +21,7 @@ pub fn memory(width: usize, height: usize) -> [(usize, &'static str); 4] {
     let plane = width * height * size_of::<f32>();
     [
         (2 * plane, "the image, and the level that is kept of it"),
-        (8 * plane, "eight planes to work in"),
+        (9 * plane, "nine planes to work in"),
         (regions(width, height) * size_of::<Region<f32>>(), "table of regions"),
         (mesh_cells(width, height) * size_of::<Sky>(), "mesh of the sky"),
     ]
@@ -40,8 +40,7 @@ pub mod shown {
     }
 }
 
-/// Segments an image, row-major, NaN = undefined, in `L`; the `front` of the result is the smoothed
-/// signal-to-noise above the outline.
+/// Segments an image, row-major, NaN = undefined, in `L`.
 ///
 /// # Errors
 /// What the core finds wrong with the image.
@@ -54,7 +53,7 @@ pub fn segment<L: Level>(
     let started = Instant::now();
     let count = pixels.len();
     let height = count / width.max(1);
-    let [mut signal, mut fine, mut smooth, mut masked, mut scratch] = [(); 5].map(|()| vec![L::ZERO; count]);
+    let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
     let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
     let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height)];
     let mut table = vec![Region::<L>::BLANK; regions(width, height)];
@@ -62,6 +61,7 @@ pub fn segment<L: Level>(
         signal: &mut signal,
         fine: &mut fine,
         smooth: &mut smooth,
+        front: &mut front,
         masked: &mut masked,
         scratch: &mut scratch,
         parents: &mut parents,
@@ -72,7 +72,7 @@ pub fn segment<L: Level>(
     };
     let known = Known { background: drive.background, noise: drive.noise, relative: drive.relative };
     let found = detect(pixels, width, &known, detection, &mut work)?;
-    let [smooth, masked] = [smooth, masked].map(in_f32);
+    let [smooth, front, masked] = [smooth, front, masked].map(in_f32);
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
     let mut sky = SkyMaps::of(&Mesh::over(&mut mesh, (width, height)), width, [fine, scratch].map(in_f32));
     // Nothing is measured in what was never observed.
@@ -117,7 +117,7 @@ pub fn segment<L: Level>(
         width,
         height,
         labels,
-        front: smooth.clone(),
+        front,
         stages,
         convergence: Vec::new(),
         sources,

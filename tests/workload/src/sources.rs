@@ -20,7 +20,7 @@ const PIXELS: usize = WIDTH * HEIGHT;
 #[derive(Debug)]
 pub struct Room<L: Level> {
     pixels: [f32; PIXELS],
-    levels: [[L; PIXELS]; 5],
+    levels: [[L; PIXELS]; 6],
     words: [[u32; PIXELS]; 3],
     mesh: [Sky; mesh_cells(WIDTH, HEIGHT)],
     regions: [Region<L>; regions(WIDTH, HEIGHT)],
@@ -30,7 +30,7 @@ impl<L: Level> Room<L> {
     /// Memory of zeros, which costs no flash.
     pub const BLANK: Room<L> = Room {
         pixels: [0.0; PIXELS],
-        levels: [[L::BLANK; PIXELS]; 5],
+        levels: [[L::BLANK; PIXELS]; 6],
         words: [[0; PIXELS]; 3],
         mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT)],
         regions: [Region::BLANK; regions(WIDTH, HEIGHT)],
@@ -47,19 +47,20 @@ impl<L: Level> Room<L> {
     }
 
     fn one(&mut self, mut tell: impl FnMut(&str, u32)) {
-        let [signal, fine, smooth, masked, scratch] = &mut self.levels;
+        let [signal, fine, smooth, front, masked, scratch] = &mut self.levels;
         let [parents, order, labels] = &mut self.words;
         let (mesh, regions) = (&mut self.mesh, &mut self.regions);
-        let mut work = Workspace { signal, fine, smooth, masked, scratch, parents, order, labels, mesh, regions };
+        let mut work = Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions };
         match detect(&self.pixels, WIDTH, &Known::default(), &Detection::DEFAULT, &mut work) {
             Ok(found) => tell("found", found_digest(&found)),
             Err(_) => tell("error", 0),
         }
-        let [signal, _, smooth, ..] = &self.levels;
+        let [signal, _, smooth, front, ..] = &self.levels;
         let [.., labels] = &self.words;
         tell("mesh", words(self.mesh.iter().flat_map(|sky| [sky.level, sky.noise]).map(f32::to_bits)));
         tell("signal", digest::of_cells(signal));
         tell("smooth", digest::of_cells(smooth));
+        tell("front", digest::of_cells(front));
         tell("labels", words(labels.iter().copied()));
     }
 }

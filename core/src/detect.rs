@@ -318,11 +318,12 @@ fn separate<L: Level>(
     }
     work.labels.iter_mut().zip(work.order.iter()).for_each(|(label, id)| *label = *id);
     let light = Field { values: work.smooth, grid };
-    centre_on_light(light, work.labels, work.regions, (noise, photon));
+    centre_on_light([field, light], work.labels, work.regions, (noise, photon));
     let regions = work.regions.get(..count).unwrap_or(&[]);
     let typical = Typical::of(field, noise, regions, (work.parents, work.order));
     for _ in 0..2 {
-        let (now, more) = reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
+        let (now, more) =
+            reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
         (count, left_out) = (now, left_out + more);
     }
     compete(field, work.labels, work.regions, 4);

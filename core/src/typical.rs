@@ -40,7 +40,7 @@ impl<'m> Typical<'m> {
     ) -> Typical<'m> {
         let bright = noise.scaled(L::Weight::of(BRIGHT));
         let mut count = 0;
-        let stands = |region: &Region<L>| region.area > 0 && region.plateau == 0 && region.value > bright;
+        let stands = |region: &Region<L>| region.area > 0 && region.plateau <= 0.0 && region.value > bright;
         for (id, _) in (0..).zip(regions).filter(|(_, region)| stands(region)) {
             if let Some(place) = cells.get_mut(count) {
                 *place = id;

@@ -17,6 +17,7 @@ use crate::detection::Detection;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::photon;
+use crate::pieces::connect;
 use crate::significance::height;
 use crate::sky::{Mesh, Sky, mesh_cells};
 use crate::smooth::{Weights, noise};
@@ -328,6 +329,7 @@ fn separate<L: Level>(
     }
     compete(field, work.labels, work.regions, 4);
     straighten(work.labels, work.order, grid, 2);
+    connect(grid, work.labels, work.order, work.regions);
     left_out
 }
 

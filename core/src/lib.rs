@@ -56,6 +56,7 @@ pub mod normalize;
 pub mod otsu;
 pub mod outcome;
 pub mod photon;
+mod pieces;
 pub mod region;
 pub mod rescale;
 pub mod rosin;

@@ -80,7 +80,7 @@ pub fn reopen<L: Level>(
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(photon, field.at(at));
     for at in 0..labels.len() {
         let label = label_at(labels, at);
-        let Some(region) = region_of(regions, label).filter(|region| region.plateau == 0) else { continue };
+        let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
         if let Some(mirrored) = field.mirrored(region.centre, at)
             && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
             && field.at(at) > host.scaled(new)

@@ -18,6 +18,7 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::outline::Front;
 use crate::photon;
+use crate::pieces::connect;
 use crate::signal::{self, View};
 use crate::significance::height;
 use crate::sky::{LEAST_PIXELS, Sky, Survey, Values, mesh_cells};
@@ -260,7 +261,7 @@ fn separate<L: Level>(
     }
     work.labels.iter_mut().zip(work.order.iter()).for_each(|(label, id)| *label = *id);
     let light = Field { values: work.smooth, grid };
-    centre_on_light(light, work.labels, work.regions, (noise, photon));
+    centre_on_light([field, light], work.labels, work.regions, (noise, photon));
     let regions = work.regions.get(..count).unwrap_or(&[]);
     let typical = Typical::of(field, noise, regions, (work.parents, work.order));
     for _ in 0..2 {
@@ -270,6 +271,7 @@ fn separate<L: Level>(
     }
     compete(field, work.labels, work.regions, 4);
     straighten(work.labels, work.order, grid, 2);
+    connect(grid, work.labels, work.order, work.regions);
     left_out
 }
 

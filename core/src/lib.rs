@@ -57,6 +57,7 @@ pub mod otsu;
 pub mod outcome;
 pub mod outline;
 pub mod photon;
+mod pieces;
 pub mod region;
 pub mod rescale;
 pub mod rosin;

@@ -22,10 +22,12 @@ pub struct Region<L: Level> {
     pub sum: L::Sum,
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
-    /// The sums of the distances of its pixels above half its peak from the peak along x and y.
-    pub offsets: (i32, i32),
+    /// Of its pixels above half its peak, the sums of the values times the distances from the peak along
+    /// x and y.
+    pub offsets: (f32, f32),
     /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
-    pub plateau: u32,
+    /// While the centre is looked for, the sum of the values above half the peak.
+    pub plateau: f32,
     /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
     pub divided: u32,
     /// The label it ends with.
@@ -40,8 +42,8 @@ impl<L: Level> Region<L> {
         area: 0,
         sum: L::NOTHING,
         centre: (L::ZERO, L::ZERO),
-        offsets: (0, 0),
-        plateau: 0,
+        offsets: (0.0, 0.0),
+        plateau: 0.0,
         divided: 0,
         label: 0,
     };

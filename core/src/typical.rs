@@ -16,7 +16,7 @@ const SIDE: usize = 2 * RADIUS + 1;
 /// The most sources that are looked at.
 const MOST: usize = 64;
 /// With fewer, there is no typical one.
-const LEAST: usize = 8;
+const LEAST: usize = 16;
 /// A source is looked at when its peak is this many times the noise.
 const BRIGHT: f32 = 100.0;
 /// A source may have this many times the light of the typical one.
@@ -40,7 +40,7 @@ impl<'m> Typical<'m> {
     ) -> Typical<'m> {
         let bright = noise.scaled(L::Weight::of(BRIGHT));
         let mut count = 0;
-        let stands = |region: &Region<L>| region.area > 0 && region.plateau == 0 && region.value > bright;
+        let stands = |region: &Region<L>| region.area > 0 && region.plateau <= 0.0 && region.value > bright;
         for (id, _) in (0..).zip(regions).filter(|(_, region)| stands(region)) {
             if let Some(place) = cells.get_mut(count) {
                 *place = id;

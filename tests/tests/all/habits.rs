@@ -104,7 +104,12 @@ fn many() -> usize {
 
 /// Runs `skyfront` and watches its greatest resident memory, kB.
 fn watched(arguments: &[&str]) -> (Output, u64) {
-    let child = Command::new(program()).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    watched_command(Command::new(program()).args(arguments))
+}
+
+/// The same for a command that becomes `skyfront`.
+pub fn watched_command(command: &mut Command) -> (Output, u64) {
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let child = child.expect("the program can be started");
     let status = format!("/proc/{}/status", child.id());
     let watch = std::thread::spawn(move || {

@@ -59,7 +59,7 @@ fn every_product_passes_fitsverify() {
         let output = skyfront(line.iter().chain(options).copied().chain(images.iter().map(String::as_str)));
         assert!(output.status.success(), "{}", messages(&output));
     };
-    run("default", &["--sky-maps", "--apertures", "2,4", "--zero-point", "25", "--mask", &images[0]]);
+    run("default", &["--sky-maps", "--apertures", "2,4", "--zero-point", "25", "--background", "20"]);
     run("marched", &["--preset", "paper-f160", "--scheme", "fast-marching", "--arrival"]);
     assert!(skyfront(["demo", "--quiet", "--out", &folder.file("demo")]).status.success());
     assert!(skyfront(["simulate", "--out", &folder.file("simulated")]).status.success());

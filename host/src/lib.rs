@@ -1,7 +1,11 @@
 //! The host side of Skyfront: files in, the core at work, files and pictures out.
+//!
+//! Unsafe code is denied but in the modules that say here what for.
+#![deny(unsafe_code)]
 
 pub mod arithmetics;
 #[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "instructions of AVX2, behind the proof that the processor has them")]
 mod avx2;
 pub mod background;
 pub mod catalogue;
@@ -10,6 +14,7 @@ pub mod crosscheck;
 pub mod detection;
 pub mod given;
 pub mod input;
+#[allow(unsafe_code, reason = "calls of functions compiled for AVX2, where the processor has it")]
 pub mod machine;
 pub mod measure;
 pub mod nothing;
@@ -18,6 +23,7 @@ pub mod outputs;
 pub mod parallel;
 pub mod picture;
 pub mod pipeline;
+#[allow(unsafe_code, reason = "advice to the system to use large pages, which changes no content")]
 pub mod planes;
 pub mod provenance;
 pub mod read;

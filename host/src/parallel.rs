@@ -5,6 +5,7 @@
 //! stop. A row's new values depend on old rows only and changes are whole numbers, so the result
 //! has the same bits for any number of threads.
 
+use crate::planes::can_be_had;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::scheme::{Evolve, Step};
 use skyfront_core::segmenter::Evolution;
@@ -61,6 +62,9 @@ where
         }
     }
 }
+
+/// Bytes that must be free for another thread: its stack, and what all still need.
+const SPARE: u64 = 16_000_000;
 
 /// The system gave threads for so many bands only, and nothing has moved.
 struct TooFew(usize);
@@ -129,7 +133,7 @@ where
         let (own, work) = (bands.next(), &work);
         for (index, front) in bands {
             let helper = move || work(index, front, &mut |_, _| {});
-            if std::thread::Builder::new().spawn_scoped(scope, helper).is_err() {
+            if !can_be_had(SPARE) || std::thread::Builder::new().spawn_scoped(scope, helper).is_err() {
                 shared.barrier.shatter();
                 return Err(TooFew(index));
             }

@@ -3,7 +3,7 @@
 mod broken;
 mod pictures;
 
-use crate::fits_bytes::{Header, gzip, samples, tiled};
+use crate::fits_bytes::{Header, bzip2, gzip, samples, tiled};
 
 /// Size of the scene.
 pub const WIDTH: usize = 24;
@@ -163,10 +163,23 @@ fn layouts() -> Vec<Specimen> {
     ]
 }
 
+/// The size of the scene in tiles of one row in GZIP_2, all 0 but for what stands in the fifth.
+fn gzip_2(fifth: Vec<u8>) -> Vec<u8> {
+    let mut pieces = vec![gzip(&[0; 2 * WIDTH]); HEIGHT];
+    pieces[5] = fifth;
+    tiled(16, (AXES[0], AXES[1]), "GZIP_2", "COMPRESSED_DATA", &pieces, |header| header)
+}
+
 /// Names that other readers take for commands, and compressed files.
 fn names_and_wrappings() -> Vec<Specimen> {
     let zipped = gzip(&plain());
     let (first, second) = (gzip(&plain()[..3000]), gzip(&plain()[3000..]));
+    let claim = Header::primary(16, &[1_000_000, 1_000_000]).bytes();
+    let gzip_2 = |fifth: &[u8]| gzip_2(gzip(fifth));
+    let mut off = gzip(&[0; 2 * WIDTH]);
+    let sum_at = off.len() - 8;
+    off[sum_at] ^= 1;
+    let sum_off = self::gzip_2(off);
     vec![
         good("plus+1.fits", 0, plain()),
         good("brackets[1:3,2].fits", 0, plain()),
@@ -176,7 +189,13 @@ fn names_and_wrappings() -> Vec<Specimen> {
         good("zipped.fits.gz", 0, zipped.clone()),
         good("zipped_without_suffix.fits", 0, zipped.clone()),
         refused("zipped_short.fits.gz", "broken gzip", zipped[..zipped.len() / 2].to_vec()),
-        refused("zipped_twice.fits.gz", "more than one gzip member", [first, second].concat()),
+        good("zipped_twice.fits.gz", 0, [first, second].concat()),
+        good("zipped_and_padded.fits.gz", 0, [zipped.clone(), vec![0; 700]].concat()),
+        good("bzip2_twice.fits.bz2", 0, [bzip2(&plain()[..3000]), bzip2(&plain()[3000..])].concat()),
+        refused("bzip2_of_nothing.fits.bz2", "truncated: the header promises 2000000000000 bytes", bzip2(&claim)),
+        refused("tile_of_another_length.fits", "tile 5 has another number of bytes", gzip_2(&[0; 2 * WIDTH + 1])),
+        refused("tile_of_wider_values.fits", "tile 5 has another number of bytes", gzip_2(&[0; 4 * WIDTH])),
+        refused("tile_with_another_sum.fits", "tile 5 is not a sound gzip stream", sum_off),
         refused("xz.fits.xz", "compressed with xz", b"\xfd7zXZ\0 and so on".to_vec()),
     ]
 }

@@ -1,6 +1,7 @@
 //! One image, from pixels to published products.
 
 use super::choices::ArithmeticOption;
+use super::memory::need_of_sources;
 use crate::catalogue::Request;
 use crate::given;
 use crate::input::Input;
@@ -47,9 +48,6 @@ pub struct Done {
     /// The published products.
     pub files: Vec<PathBuf>,
 }
-
-/// What a source takes while it is measured and written.
-const SOURCE_BYTES: u64 = 2000;
 
 /// Does some work; a panic, which can only be a fault of this program, becomes an error.
 pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
@@ -102,9 +100,10 @@ pub fn process(
             .with_context(|| input.detected.name.clone())?,
     };
     written?;
-    if !can_be_had(run.sources.len() as u64 * SOURCE_BYTES) {
+    let need = need_of_sources(&run);
+    if !can_be_had(need) {
         let (name, sources) = (&input.detected.name, run.sources.len());
-        bail!("{name}: there is no memory for {sources} sources of {SOURCE_BYTES} bytes; cut the image into pieces");
+        bail!("{name}: {sources} sources need {need} bytes of memory, which the system does not give; cut the image");
     }
     let Written { summary, warnings, parts } = outputs::write(&mut products, config, input, &run, &manner.request)?;
     let files = products.publish()?;

@@ -3,7 +3,7 @@
 
 use super::job::Manner;
 use crate::detection;
-use crate::pipeline::room_for_sources;
+use crate::pipeline::{Segmentation, room_for_sources};
 use crate::planes::can_be_had;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::memory::bytes;
@@ -32,9 +32,9 @@ pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size
     }
     let (w, h) = (width as usize, height as usize);
     let plane = w * h * size_of::<f32>();
-    // Planes beside those of the method: the image and, while sources are measured, sky, noise, mask and front.
+    // Planes beside those of the method: the image, and what its sky takes while sources are measured.
     let (of_method, others, of_pictures) = match config.detection {
-        Some(_) => (detection::memory(w, h).iter().map(|(bytes, _)| bytes).sum(), 1, 4),
+        Some(_) => (detection::memory(w, h).iter().map(|(bytes, _)| bytes).sum(), 0, 2),
         None => {
             let sl_curvature = config.scheme == Scheme::SlCurvature;
             (bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h)), 4, 5)
@@ -42,6 +42,17 @@ pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size
     };
     let planes = others + maps + if manner.pictures { of_pictures } else { 0 };
     Ok((of_method + planes * plane) as u64 + BESIDE)
+}
+
+/// The bytes that the sources of a run take at most while they are measured and written: each a row of the catalogue,
+/// and one at a time the pixels around it.
+pub fn need_of_sources(run: &Segmentation) -> u64 {
+    const ROW: u64 = 2000;
+    const PIXEL: u64 = 64;
+    let side = |(first, last): (u32, u32)| u64::from(last.saturating_sub(first)) + 1;
+    let largest = run.sources.iter().map(|source| side(source.columns) * side(source.rows)).max().unwrap_or(0);
+    let around = (4 * largest).min((run.width * run.height) as u64);
+    run.sources.len() as u64 * ROW + around * PIXEL
 }
 
 /// What all runs may take together, and what those under way take.

@@ -203,8 +203,16 @@ impl Writer {
     }
 
     /// Writes an HDU: the header with room for the sums, the data, and the header again with the sums.
-    fn hdu(&mut self, cards: Vec<Card>, data: impl FnOnce(&mut Data<'_>) -> io::Result<()>) -> Result<(), WriteError> {
+    fn hdu(
+        &mut self,
+        mut cards: Vec<Card>,
+        data: impl FnOnce(&mut Data<'_>) -> io::Result<()>,
+    ) -> Result<(), WriteError> {
         self.begun = true;
+        if cards.iter().any(|card| card.keyword() == "CONTINUE") {
+            // Readers from before the standard took continued texts up want to be told.
+            cards.extend(text_cards("LONGSTRN", "OGIP 1.0"));
+        }
         let write = || -> io::Result<()> {
             let start = self.out.stream_position()?;
             self.out.write_all(&header(&cards, "0", ZEROS))?;

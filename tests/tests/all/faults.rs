@@ -58,9 +58,91 @@ fn a_killed_run_leaves_no_product_and_is_no_obstacle() {
     assert_eq!(run.wait().unwrap().code(), None);
     let left = folder.names("out");
     assert!(left.iter().all(|name| name.starts_with(".skyfront-") && name.ends_with(".part")), "{left:?}");
+    assert!(!left.is_empty(), "it was killed while it wrote");
     let image = sky(&folder, 40);
     let again = skyfront(["segment", &image, "--preset", "paper-f160", "--quiet", "--out", &folder.file("out")]);
     assert!(again.status.success(), "{}", messages(&again));
+    assert!(folder.names("out").iter().all(|name| !name.starts_with('.')), "{:?}", folder.names("out"));
+}
+
+#[test]
+fn a_second_writer_is_told_before_it_computes() {
+    let folder = Folder::new("second");
+    let mut first = caught_writing(&folder);
+    let image = folder.file("sky.fits");
+    let line = ["segment", &image, "--preset", "paper-f160", "--overwrite", "--out", &folder.file("out")];
+    let second = skyfront(line);
+    assert_eq!(second.status.code(), Some(1), "{}", messages(&second));
+    assert!(messages(&second).contains("another run is writing into this folder"), "{}", messages(&second));
+    assert!(first.wait().unwrap().success(), "the first goes on");
+    assert_eq!(folder.names("out").len(), 9);
+}
+
+#[test]
+fn equal_process_ids_are_no_obstacle() {
+    let folder = Folder::new("equal");
+    let image = sky(&folder, 60);
+    let alone = ["--map-root-user", "--pid", "--fork", "--kill-child"];
+    let allowed = Command::new("unshare").args(alone).arg("true").output();
+    if !allowed.is_ok_and(|output| output.status.success()) {
+        println!("SKIPPED: this system does not let a user number processes anew");
+        return;
+    }
+    let run = |out: &str| {
+        let line = ["segment", &image, "--preset", "paper-f160", "--t-max", "0.1", "--quiet", "--overwrite", "--out"];
+        let mut command = Command::new("unshare");
+        command.args(alone).arg(program()).args(line).arg(folder.file(out)).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    for trial in 0..4 {
+        // Two folders at a time, and one folder twice: all of them are process 1.
+        let runs = [run("one"), run("two")];
+        for run in runs {
+            let output = run.wait_with_output().unwrap();
+            assert!(output.status.success(), "{trial}: {}", messages(&output));
+        }
+    }
+}
+
+/// The sides of the images in the FITS products of a folder.
+fn sides(folder: &Folder) -> Vec<String> {
+    let names = ["segmentation.fits", "segmented.fits", "front.fits"];
+    let side = |name: &str| {
+        let bytes = fs::read(folder.path().join("out").join(name)).unwrap();
+        let at = bytes.windows(8).position(|window| window == b"NAXIS1  ").unwrap();
+        String::from_utf8_lossy(&bytes[at + 10..at + 30]).trim().to_owned()
+    };
+    names.map(side).to_vec()
+}
+
+#[test]
+fn an_interrupt_leaves_the_old_products_or_the_new() {
+    let folder = Folder::new("mixture");
+    let out = folder.file("out");
+    let line = |image: &str| {
+        let words = ["segment", image, "--preset", "paper-f160", "--t-max", "0.025", "--no-pictures", "--quiet"];
+        words.map(str::to_owned).into_iter().chain(["--overwrite".into(), "--out".into(), out.clone()])
+    };
+    let images = [150, 160].map(|side| {
+        let path = folder.file(&format!("{side}.fits"));
+        fs::rename(sky(&folder, side), &path).unwrap();
+        path
+    });
+    let start = Instant::now();
+    assert!(skyfront(line(&images[0])).status.success());
+    let whole = start.elapsed();
+    let mut seen = [0, 0];
+    for trial in 0..40 {
+        let mut run = Command::new(program()).args(line(&images[trial % 2])).spawn().unwrap();
+        // Most signals come while products are written and renamed, at the end.
+        std::thread::sleep(whole * (60 + trial as u32) / 100);
+        signal(&run, "-TERM");
+        let code = run.wait().unwrap().code();
+        let sides = sides(&folder);
+        assert!(sides.iter().all(|side| *side == sides[0]), "trial {trial}: {sides:?}");
+        assert_eq!(folder.names("out").len(), 6, "trial {trial}: {:?}", folder.names("out"));
+        seen[usize::from(code == Some(0))] += 1;
+    }
+    println!("interrupted and completed: {seen:?}");
 }
 
 #[test]

@@ -108,7 +108,12 @@ fn many() -> usize {
 
 /// Runs `skyfront` and watches its greatest resident memory, kB.
 fn watched(arguments: &[&str]) -> (Output, u64) {
-    let child = Command::new(program()).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    watched_command(Command::new(program()).args(arguments))
+}
+
+/// The same for a command that becomes `skyfront`.
+pub fn watched_command(command: &mut Command) -> (Output, u64) {
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let child = child.expect("the program can be started");
     let status = format!("/proc/{}/status", child.id());
     let watch = std::thread::spawn(move || {
@@ -138,24 +143,28 @@ fn broken_images_stop_no_others_and_memory_stays_flat() {
             sky(image, n as u32);
         }
     }
+    let vast: Vec<String> = (0..3).map(|n| folder.file(&format!("vast{n}.fits"))).collect();
+    vast.iter().for_each(|image| sky_of(image, 1, 1200));
     let bad = (0..images.len()).filter(|&n| broken(n)).count();
     let line = |out: &str, count: usize| {
-        let options = ["segment", "--preset", "paper-f160", "--quiet", "--no-pictures", "--jobs", "2", "--out"];
-        let words = options.into_iter().map(str::to_owned).chain([folder.file(out)]);
+        let options = ["segment", "--preset", "paper-f160", "--quiet", "--no-pictures", "--jobs", "2"];
+        let words =
+            options.into_iter().chain(["--max-memory", "55M", "--out"]).map(str::to_owned).chain([folder.file(out)]);
         words.chain(images[..count].iter().cloned()).collect::<Vec<_>>()
     };
     let run = |line: &[String]| watched(&line.iter().map(String::as_str).collect::<Vec<_>>());
     let (_, memory_of_few) = run(&line("few", 20));
-    let (output, memory_of_many) = run(&line("all", images.len()));
+    let (output, memory_of_many) = run(&[line("all", images.len()), vast.clone()].concat());
 
     assert_eq!(output.status.code(), Some(1), "{}", messages(&output));
     let text = messages(&output);
-    assert_eq!(text.lines().count(), bad, "one line for each broken image: {text}");
-    for n in (0..images.len()).filter(|&n| broken(n)) {
-        assert!(text.lines().any(|line| line.contains(&images[n])), "{} is not named in: {text}", images[n]);
+    assert_eq!(text.lines().count(), bad + vast.len(), "one line for each image without a result: {text}");
+    for image in (0..images.len()).filter(|&n| broken(n)).map(|n| &images[n]).chain(&vast) {
+        assert!(text.lines().any(|line| line.contains(image)), "{image} is not named in: {text}");
     }
+    assert_eq!(text.matches("but --max-memory allows 55 MB").count(), vast.len(), "{text}");
     let table = fs::read_to_string(folder.file("all/summary.csv")).expect("the table was written");
-    assert_eq!(table.lines().count(), images.len() + 1);
+    assert_eq!(table.lines().count(), images.len() + vast.len() + 1);
     for n in 0..images.len() {
         let name = format!("image{n:04}");
         let row = table.lines().find(|row| row.contains(&format!(",{name},"))).expect("a row for every image");

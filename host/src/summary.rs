@@ -29,8 +29,10 @@ pub type Part = (String, Duration);
 pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part]) -> Value {
     let image = &input.detected.image;
     let outcome = &run.outcome;
-    let settings: Map<String, Value> =
-        of_run(config, input).into_iter().map(|parameter| (parameter.name.to_owned(), json_of(parameter.value))).collect();
+    let settings: Map<String, Value> = of_run(config, input)
+        .into_iter()
+        .map(|parameter| (parameter.name.to_owned(), json_of(parameter.value)))
+        .collect();
     let seconds: Map<String, Value> =
         parts.iter().map(|(part, time)| (part.clone(), json!(time.as_secs_f64()))).collect();
     // The noise-aware segmentation moves no front.

@@ -60,7 +60,8 @@ impl Choice {
 
     /// What must be measured for these columns.
     pub fn wanted(columns: &[Column]) -> Wanted {
-        let needs = |needs: Needs| columns.iter().filter_map(|column| known(&column.name)).any(|one| one.needs == needs);
+        let needs =
+            |needs: Needs| columns.iter().filter_map(|column| known(&column.name)).any(|one| one.needs == needs);
         Wanted { kron: needs(Needs::Kron), windowed: needs(Needs::Windowed), local: needs(Needs::Local) }
     }
 

@@ -1,8 +1,8 @@
 //! The registry of columns: headers, documentation and `skyfront columns` come from here.
 
-use crate::measure::{Flux, Measured};
 use super::choice::is_magnitude;
 use super::names::known;
+use crate::measure::{Flux, Measured};
 use crate::sky::Frame;
 use skyfront_core::flags::{self, FLAGS};
 
@@ -35,6 +35,8 @@ pub struct Setting {
     pub frame: Option<Frame>,
     /// Whether the header has coordinates that could not be used: their columns are there and empty.
     pub refused: bool,
+    /// Whether places are measured, not sources.
+    pub places: bool,
     /// Radii of the circular apertures, pixels.
     pub apertures: Vec<f64>,
     /// Magnitude of a flux of 1, where there are to be magnitudes.
@@ -50,6 +52,8 @@ impl Setting {
             "glon" | "glat" | "elon" | "elat" => own.is_some_and(|axes| axes.contains(&name)),
             _ => true,
         };
+        let of_places = ["label", "x", "y", "ra", "dec", "glon", "glat", "elon", "elat", "flags"];
+        let shown = shown && (!self.places || of_places.contains(&name) || name.contains("_aper_"));
         shown && known(name).is_none_or(|one| one.usual)
     }
 }
@@ -146,9 +150,12 @@ fn shape() -> [Column; 12] {
             if m.shape.b > 0.0 { m.shape.a / m.shape.b } else { f64::NAN }
         }),
         real("ellipticity", "", "1 - b / a", |m| if m.shape.a > 0.0 { 1.0 - m.shape.b / m.shape.a } else { f64::NAN }),
-        real("fwhm", "pixel", "full width at half maximum of a Gaussian with these moments: 2 sqrt(ln 2 (a^2 + b^2))", |m| {
-            2.0 * (std::f64::consts::LN_2 * (m.shape.moments.0 + m.shape.moments.1)).sqrt()
-        }),
+        real(
+            "fwhm",
+            "pixel",
+            "full width at half maximum of a Gaussian with these moments: 2 sqrt(ln 2 (a^2 + b^2))",
+            |m| 2.0 * (std::f64::consts::LN_2 * (m.shape.moments.0 + m.shape.moments.1)).sqrt(),
+        ),
     ]
 }
 
@@ -180,7 +187,9 @@ fn windowed(frame: Option<Frame>) -> [Column; 7] {
 /// What the sky beside a source says of it.
 fn beside(unit: &str) -> [Column; 5] {
     [
-        real("background_local", unit, "median of the sky within 24 pixels of the bounding box", |m| m.local.background),
+        real("background_local", unit, "median of the sky within 24 pixels of the bounding box", |m| {
+            m.local.background
+        }),
         real("noise_local", unit, "standard deviation of that sky", |m| m.local.noise),
         real("flux_local", unit, "sum above that sky over the source's pixels", |m| m.local_flux.value),
         real("flux_local_err", unit, "its error, by that noise", |m| m.local_flux.error),
@@ -193,8 +202,13 @@ fn as_sextractor(unit: &str) -> [Column; 3] {
     [
         real("flux_max", unit, "greatest pixel value above the background", |m| m.values.peak - m.background),
         real("kron_factor", "", "kron_radius in units of a", |m| m.kron_radius / m.shape.wide_axes().0),
-        integer("flags_sex", "", "the flags by SExtractor's bits: 1 neighbours, 2 blended, 4 saturated, 8 truncated, \
-            16 incomplete aperture, 32 undefined pixels, 128 no room", |m| sextractor_flags(m.flags)),
+        integer(
+            "flags_sex",
+            "",
+            "the flags by SExtractor's bits: 1 neighbours, 2 blended, 4 saturated, 8 truncated, \
+            16 incomplete aperture, 32 undefined pixels, 128 no room",
+            |m| sextractor_flags(m.flags),
+        ),
     ]
 }
 
@@ -216,11 +230,18 @@ fn fluxes(unit: &str) -> [Column; 7] {
         real("flux", unit, "sum above the background over the source's pixels", |m| m.flux.value),
         real("flux_err", unit, "its error: sqrt(sum noise^2 + flux / gain)", |m| m.flux.error),
         real("snr", "", "flux / flux_err", |m| m.flux.value / m.flux.error),
-        real("half_light_radius", "pixel", "radius of the circle with half of the Kron aperture's light", |m| m.half_light),
-        real("kron_radius", "pixel", "semi-major axis of the Kron aperture in pixels: 2.5 first moments, at least 3.5 a", |m| {
-            m.kron_radius
+        real("half_light_radius", "pixel", "radius of the circle with half of the Kron aperture's light", |m| {
+            m.half_light
         }),
-        real("flux_kron", unit, "flux in the Kron aperture; what other sources' pixels count is in SFNEIGHB", |m| m.kron.value),
+        real(
+            "kron_radius",
+            "pixel",
+            "semi-major axis of the Kron aperture in pixels: 2.5 first moments, at least 3.5 a",
+            |m| m.kron_radius,
+        ),
+        real("flux_kron", unit, "flux in the Kron aperture; what other sources' pixels count is in SFNEIGHB", |m| {
+            m.kron.value
+        }),
         real("flux_kron_err", unit, "its error", |m| m.kron.error),
     ]
 }
@@ -254,7 +275,7 @@ fn magnitudes(zero_point: f64) -> [Column; 5] {
 /// What the bits of the flags say, in one line.
 fn flag_bits() -> String {
     let bits: Vec<String> = FLAGS.iter().map(|flag| format!("{} {}", flag.bit, flag.name)).collect();
-    format!("sum of {}", bits.join(", "))
+    format!("sum of {} (not the bits of SExtractor: flags_sex)", bits.join(", "))
 }
 
 fn integer(name: &str, unit: &str, description: &str, value: impl Fn(&Measured) -> i64 + 'static) -> Column {
@@ -319,6 +340,7 @@ mod tests {
             unit: "adu".to_owned(),
             frame: Some(Frame::Icrs),
             refused: false,
+            places: false,
             apertures: vec![3.0, 5.0],
             zero_point: Some(25.0),
         };
@@ -339,7 +361,9 @@ mod tests {
             columns.into_iter().map(|column| column.name).collect::<Vec<String>>()
         };
         let bare = names(&Setting::default(), &[]);
-        assert!(["ra", "pa", "glon", "mag", "xwin", "flags_sex"].iter().all(|name| !bare.contains(&(*name).to_owned())));
+        assert!(
+            ["ra", "pa", "glon", "mag", "xwin", "flags_sex"].iter().all(|name| !bare.contains(&(*name).to_owned()))
+        );
         let refused = names(&Setting { refused: true, ..Setting::default() }, &[]);
         assert!(refused.contains(&"ra".to_owned()) && !refused.contains(&"glon".to_owned()));
         let galactic = names(&Setting { frame: Some(Frame::Galactic), ..Setting::default() }, &[]);

@@ -30,7 +30,8 @@ pub fn write(catalogue: &Catalogue, entries: &[Entry], out: &mut dyn Write) -> i
     }
     writeln!(out, "<DATA>\n<TABLEDATA>")?;
     for source in &catalogue.rows {
-        let cells: String = catalogue.columns.iter().map(|column| format!("<TD>{}</TD>", column.text(source))).collect();
+        let cells: String =
+            catalogue.columns.iter().map(|column| format!("<TD>{}</TD>", column.text(source))).collect();
         writeln!(out, "<TR>{cells}</TR>")?;
     }
     writeln!(out, "</TABLEDATA>\n</DATA>\n</TABLE>\n</RESOURCE>\n</VOTABLE>")

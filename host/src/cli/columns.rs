@@ -2,10 +2,10 @@
 
 use crate::catalogue::names::KNOWN;
 use crate::catalogue::{Setting, columns};
-use clap::Args;
-use std::io::Write;
 use crate::sky::Frame;
+use clap::Args;
 use skyfront_core::flags::FLAGS;
+use std::io::Write;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -29,6 +29,7 @@ fn all(out: &mut impl Write) -> std::io::Result<()> {
         unit: "image".to_owned(),
         frame: Some(Frame::Icrs),
         refused: false,
+        places: false,
         apertures: vec![3.0],
         zero_point: Some(25.0),
     };

@@ -70,7 +70,10 @@ mod tests {
     #[test]
     fn labels_with_gaps_become_a_row_and_keep_their_names() {
         let found = LabelMap::of(&map(&[0.0, 7.0, 7.0, f32::NAN, 3.0, 900_000.0, 7.0])).expect("labels");
-        assert_eq!((found.labels.as_slice(), found.names.as_slice()), (&[0, 2, 2, 0, 1, 3, 2][..], &[3, 7, 900_000][..]));
+        assert_eq!(
+            (found.labels.as_slice(), found.names.as_slice()),
+            (&[0, 2, 2, 0, 1, 3, 2][..], &[3, 7, 900_000][..])
+        );
         assert_eq!([0, 1, 3, 4].map(|label| found.name(label)), [0, 3, 900_000, 0]);
     }
 

@@ -91,10 +91,7 @@ impl Aperture {
             }
         }
         let within = |place: f64| (place - dy).abs() <= 0.5;
-        (
-            if within(-self.tip) { -self.half.0 } else { low },
-            if within(self.tip) { self.half.0 } else { high },
-        )
+        (if within(-self.tip) { -self.half.0 } else { low }, if within(self.tip) { self.half.0 } else { high })
     }
 
     /// A place (dx, dy) from the centre in units of the semi-axes.

@@ -1,9 +1,9 @@
 //! A rectangle of an image, by pixels that count from 1, both ends included (`[X0:X1,Y0:Y1]`, `*` for
 //! all of an axis).
 
+use super::Image;
 use super::error::Fault;
 use super::header::{Card, Header};
-use super::Image;
 
 /// First and last column, first and last row; none for a whole axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +32,9 @@ impl Section {
         let (y0, y1) = self.rows.unwrap_or((1, image.height));
         if !(1 <= x0 && x0 <= x1 && x1 <= image.width && 1 <= y0 && y0 <= y1 && y1 <= image.height) {
             let (width, height) = (image.width, image.height);
-            return Err(Fault::Section(format!("section [{x0}:{x1},{y0}:{y1}] is not within {width} x {height} pixels")));
+            return Err(Fault::Section(format!(
+                "section [{x0}:{x1},{y0}:{y1}] is not within {width} x {height} pixels"
+            )));
         }
         let rows = image.pixels.chunks_exact(image.width).take(y1).skip(y0 - 1);
         Ok(Image {

@@ -74,7 +74,12 @@ fn pole_latitude(theta0: f64, delta0: f64, native: f64, towards: f64) -> Option<
     let right = std::f64::consts::FRAC_PI_2;
     let possible = |angle: &f64| angle.abs() <= right + ROUNDING;
     let nearer = |a: &f64, b: &f64| (a - towards).abs().total_cmp(&(b - towards).abs());
-    [middle + half, middle - half].map(round).into_iter().filter(possible).min_by(nearer).map(|a| a.clamp(-right, right))
+    [middle + half, middle - half]
+        .map(round)
+        .into_iter()
+        .filter(possible)
+        .min_by(nearer)
+        .map(|a| a.clamp(-right, right))
 }
 
 /// The celestial longitude of the native pole (equations 9 and 10, and the poles themselves).

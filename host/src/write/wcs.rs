@@ -93,7 +93,8 @@ mod tests {
     fn other_keywords_are_not() {
         for keyword in [
             "CTYPE3", "CD3_1", "CD1_3", "PC1_3", "PV3_1", "NAXIS1", "BSCALE", "BLANK", "A_RADIUS", "CPDIS1", "DP1",
-            "D2IMDIS1", "TCTYP1", "ZNAXIS1", "COMMENT", "HISTORY", "", "CD", "PV1", "CRVAL", "EXTNAME", "CRVAL10", "PC001003", "PC0012",
+            "D2IMDIS1", "TCTYP1", "ZNAXIS1", "COMMENT", "HISTORY", "", "CD", "PV1", "CRVAL", "EXTNAME", "CRVAL10",
+            "PC001003", "PC0012",
         ] {
             assert!(!is_planar(keyword), "{keyword}");
         }

@@ -44,7 +44,7 @@ pub const FLAGS: [Flag; 10] = [
     flag(NO_ROOM, "no-room", "the table of labels or the catalogue was full: sources or pixels are missing"),
     flag(NO_FLUX, "no-flux", "no pixel stands above the background: centroid and shape are those of the pixels"),
     flag(APERTURE, "aperture", "the Kron or another aperture reaches beyond the image or over undefined pixels"),
-    flag(NEIGHBOUR, "neighbour", "pixels of other sources were left out of the Kron or another aperture"),
+    flag(NEIGHBOUR, "neighbour", "the Kron or another aperture reaches into other sources"),
     flag(
         NO_COORDINATES,
         "no-coordinates",

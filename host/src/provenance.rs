@@ -40,12 +40,12 @@ fn value_of(value: config::Value) -> Value {
     }
 }
 
-/// The parameters of a run: none but the method where the map of labels was given.
+/// The parameters of a run: none but the method where nothing was to be found.
 pub fn of_run(config: &Config, input: &Input) -> Vec<Parameter> {
-    match input.segmentation {
-        Some(_) => vec![Parameter { keyword: "SFMETHOD", name: "method", value: crate::given::METHOD.into() }],
-        None => parameters(config),
+    if input.is_given() {
+        return vec![Parameter { keyword: "SFMETHOD", name: "method", value: crate::given::METHOD.into() }];
     }
+    parameters(config)
 }
 
 /// The name of a scheme on the command line.

@@ -10,7 +10,6 @@ import numpy as np
 import sep
 from astropy.io import fits
 from astropy.table import Table
-from photutils.aperture import CircularAperture
 from photutils.segmentation import SegmentationImage, SourceCatalog
 
 RADIUS, ZERO_POINT, MATCH = 4.0, 25.0, 1.0
@@ -18,7 +17,7 @@ RADIUS, ZERO_POINT, MATCH = 4.0, 25.0, 1.0
 PHOTUTILS = {
     "x": "x_centroid", "y": "y_centroid", "area": "segment_area", "flux": "segment_flux", "flux_err": "segment_flux_err",
     "a": "semimajor_axis", "b": "semiminor_axis", "ellipticity": "ellipticity", "fwhm": "fwhm",
-    "flux_kron": "kron_flux", "flux_kron_err": "kron_flux_err", "half_light_radius": None, "flux_aper_1": None,
+    "flux_kron": "kron_flux", "flux_kron_err": "kron_flux_err",
 }
 SEXTRACTOR = {
     "x": "X_IMAGE", "y": "Y_IMAGE", "xwin": "XWIN_IMAGE", "ywin": "YWIN_IMAGE", "errx2": "ERRX2_IMAGE",
@@ -61,9 +60,11 @@ def photutils(pixels, labels, maps):
     """Its catalogue of the same labels, neighbours replaced by the light opposite to them, as ours."""
     settings = {"error": maps["noise"], "apermask_method": "correct", "kron_params": (2.5, 1.4, 0)}
     found = SourceCatalog(pixels - maps["background"], SegmentationImage(labels), **settings)
-    columns = {ours: np.asarray(getattr(found, name).tolist() if name else [], float) for ours, name in PHOTUTILS.items()}
+    bare = lambda values: np.asarray(getattr(values, "value", values), float)
+    columns = {ours: bare(getattr(found, name)) for ours, name in PHOTUTILS.items() if name}
     columns["x"], columns["y"] = columns["x"] + 1, columns["y"] + 1
-    columns["half_light_radius"] = np.asarray(found.fluxfrac_radius(0.5).value, float)
+    columns["half_light_radius"] = bare(found.fluxfrac_radius(0.5))
+    columns["flux_aper_1"] = bare(found.circular_photometry(RADIUS)[0])
     return columns
 
 
@@ -109,8 +110,7 @@ def compare(program, image, folder):
     if not len(table):
         print(f"{image}: no source")
         return
-    pixels = fits.getdata(folder / "image.fits") if (folder / "image.fits").exists() else first_image(image)
-    pixels = pixels.astype(float)
+    pixels = first_image(image).astype(float)
     print(f"\n{image}: {len(table)} sources")
     print(f"{'peer':17} {'column':18} {'number':>6} {'':10} {'median':>12} {'scatter':>11} {'5 %':>11} {'95 %':>11}")
     for peer, columns in [("photutils", photutils(pixels, labels, maps)), ("SEP", with_sep(pixels, labels, maps, table))]:

@@ -35,6 +35,8 @@ pub struct Setting {
     pub frame: Option<Frame>,
     /// Whether the header has coordinates that could not be used: their columns are there and empty.
     pub refused: bool,
+    /// Whether places are measured, not sources.
+    pub places: bool,
     /// Radii of the circular apertures, pixels.
     pub apertures: Vec<f64>,
     /// Magnitude of a flux of 1, where there are to be magnitudes.
@@ -50,6 +52,8 @@ impl Setting {
             "glon" | "glat" | "elon" | "elat" => own.is_some_and(|axes| axes.contains(&name)),
             _ => true,
         };
+        let of_places = ["label", "x", "y", "ra", "dec", "glon", "glat", "elon", "elat", "flags"];
+        let shown = shown && (!self.places || of_places.contains(&name) || name.contains("_aper_"));
         shown && known(name).is_none_or(|one| one.usual)
     }
 }
@@ -271,7 +275,7 @@ fn magnitudes(zero_point: f64) -> [Column; 5] {
 /// What the bits of the flags say, in one line.
 fn flag_bits() -> String {
     let bits: Vec<String> = FLAGS.iter().map(|flag| format!("{} {}", flag.bit, flag.name)).collect();
-    format!("sum of {}", bits.join(", "))
+    format!("sum of {} (not the bits of SExtractor: flags_sex)", bits.join(", "))
 }
 
 fn integer(name: &str, unit: &str, description: &str, value: impl Fn(&Measured) -> i64 + 'static) -> Column {
@@ -336,6 +340,7 @@ mod tests {
             unit: "adu".to_owned(),
             frame: Some(Frame::Icrs),
             refused: false,
+            places: false,
             apertures: vec![3.0, 5.0],
             zero_point: Some(25.0),
         };

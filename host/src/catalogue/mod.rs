@@ -11,8 +11,8 @@ pub use choice::Choice;
 pub use columns::{Column, Setting, Value, columns};
 
 use crate::background::SkyMaps;
-use crate::input::Input;
-use crate::measure::{Extras, Level, Measured, Neighbours, Scene, measure, run_flags};
+use crate::input::{At, Input, Positions};
+use crate::measure::{Extras, Level, Measured, Neighbours, Scene, measure, measure_at, run_flags};
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
 use crate::read::header::unit;
@@ -147,18 +147,24 @@ impl Catalogue {
             unit: unit(&image.header).unwrap_or_default(),
             frame: sky.as_ref().map(Sky::frame),
             refused: refused.is_some(),
+            places: input.positions.is_some(),
             apertures: extras.apertures.clone(),
             zero_point: extras.zero_point,
         };
         let columns = request.columns.columns(&setting);
         extras.wanted = Choice::wanted(&columns);
         let scene = Scene::new(&image.pixels, &run.labels, run.width, run.height, &extras);
-        let mut rows = measure(&scene, &run.sources, &extras, sky.as_ref());
+        let mut rows = match &input.positions {
+            Some(positions) => at_places(&scene, positions, &extras, sky.as_ref()),
+            None => measure(&scene, &run.sources, &extras, sky.as_ref()),
+        };
         // A deblender knows better than pixels that touch.
         for (row, &blended) in rows.iter_mut().zip(run.blended.iter().flatten()) {
             row.flags = row.flags & !flags::BLENDED | if blended { flags::BLENDED } else { 0 };
         }
-        rows.iter_mut().for_each(|row| row.source.label = input.name_of(row.source.label));
+        if input.positions.is_none() {
+            rows.iter_mut().for_each(|row| row.source.label = input.name_of(row.source.label));
+        }
         Catalogue { columns, rows, entries: entries(&scene, &extras), sky, refused }
     }
 
@@ -191,6 +197,18 @@ impl Catalogue {
             Format::Fits => products.write_path(format.file(), |path| fits::write(self, &entries(), path)),
         }
     }
+}
+
+/// Measures the places of a table; those that are not in the image have no flux.
+fn at_places(scene: &Scene<'_>, positions: &Positions, extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
+    let pixel = |place: &At| match *place {
+        At::Pixel(x, y) => (x - 1.0, y - 1.0),
+        At::Sky(ra, dec) => sky.and_then(|sky| sky.pixel(ra, dec)).unwrap_or((f64::NAN, f64::NAN)),
+    };
+    let places: Vec<(f64, f64)> = positions.places.iter().map(pixel).collect();
+    let mut rows = measure_at(scene, &places, extras, sky);
+    rows.iter_mut().zip(&positions.labels).for_each(|(row, &label)| row.source.label = label);
+    rows
 }
 
 /// The coordinates of the image that is measured, or of the segmented one.

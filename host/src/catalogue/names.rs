@@ -115,11 +115,11 @@ pub const KNOWN: [Known; 69] = [
 
 /// What is known of a column.
 pub fn known(name: &str) -> Option<&'static Known> {
-    let digits = |c: char| c.is_ascii_digit();
-    let pattern: String = match name.split_once("aper_") {
-        Some((head, tail)) => format!("{head}aper_#{}", tail.trim_start_matches(digits)),
-        None => name.to_owned(),
-    };
+    let numbered = name.split_once("aper_").and_then(|(head, tail)| {
+        let end = tail.trim_start_matches(|c: char| c.is_ascii_digit());
+        (end.len() < tail.len()).then(|| format!("{head}aper_#{end}"))
+    });
+    let pattern = numbered.as_deref().unwrap_or(name);
     KNOWN.iter().find(|known| known.name == pattern)
 }
 

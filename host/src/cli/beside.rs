@@ -5,6 +5,7 @@ use crate::input::{Given, Maps, WeightType};
 use crate::read::Place;
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
+use std::path::PathBuf;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Maps beside the image (FILE or FILE[HDU], of the image's shape)")]
@@ -25,6 +26,10 @@ pub struct Beside {
     /// is none. No maps but that of the labels are written.
     #[arg(long, value_name = "LABELS", value_parser = place(), conflicts_with_all = ["start", "arrival"])]
     segmentation: Option<Place>,
+    /// Measure circles (--apertures) at the places of this table instead of sources: comma-separated
+    /// values with a line of names, x and y (pixels from 1) or ra and dec (degrees) among them.
+    #[arg(long, value_name = "CSV", requires = "apertures", conflicts_with_all = ["start", "arrival"])]
+    positions: Option<PathBuf>,
     /// Measure the sources in this image of the same pixels: fluxes, shapes, GAIN, SATURATE and
     /// coordinates are its own.
     #[arg(long, value_name = "IMAGE2", value_parser = place())]
@@ -38,9 +43,9 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Whether the sources are those of a map.
+    /// Whether nothing is to be found, because what is to be measured is given.
     pub fn is_given(&self) -> bool {
-        self.segmentation.is_some()
+        self.segmentation.is_some() || self.positions.is_some()
     }
 
     /// The maps, with that of the start.
@@ -54,6 +59,7 @@ impl Beside {
             measure_background: self.measure_background.clone(),
             measure_weight: weighed(&self.measure_weight),
             segmentation: self.segmentation.clone(),
+            positions: self.positions.clone(),
             start: options.start_map(),
         }
     }

@@ -6,6 +6,7 @@ use crate::catalogue::{Setting, columns};
 use crate::sky::Frame;
 use clap::Args;
 use skyfront_core::flags::FLAGS;
+use std::io::Write;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -28,6 +29,7 @@ fn all() -> Result<(), Unwritten> {
         unit: "image".to_owned(),
         frame: Some(Frame::Icrs),
         refused: false,
+        places: false,
         apertures: vec![3.0],
         zero_point: Some(25.0),
     };

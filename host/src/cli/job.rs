@@ -37,7 +37,7 @@ pub struct Done {
     pub width: usize,
     pub height: usize,
     pub outcome: Outcome,
-    /// Whether the sources are those of a map that was given.
+    /// Whether what was measured was given.
     pub given: bool,
     /// Time of each part.
     pub parts: Vec<Part>,
@@ -89,15 +89,14 @@ pub fn process(
         let header = outputs::header(config, input, manner.arithmetic.name());
         written = outputs::write_front(&mut products, config, input, &manner.request, &header, front);
     };
-    if input.segmentation.is_none() && !manner.pictures && !manner.request.regions && !manner.request.polygons {
+    if !input.is_given() && !manner.pictures && !manner.request.regions && !manner.request.polygons {
         drive.take_front = Some(&mut take);
     }
-    let run = match &input.segmentation {
-        Some(map) => given::segment(map, &input.detected, manner.arithmetic.name(), manner.pictures),
-        None => manner
-            .arithmetic
-            .segment(config, &input.detected.image, &mut drive)
-            .with_context(|| input.detected.name.clone())?,
+    let run = if input.is_given() {
+        given::segment(input, manner.arithmetic.name(), manner.pictures)
+    } else {
+        let segmented = manner.arithmetic.segment(config, &input.detected.image, &mut drive);
+        segmented.with_context(|| input.detected.name.clone())?
     };
     written?;
     let need = need_of_sources(&run);
@@ -107,7 +106,7 @@ pub fn process(
     }
     let Written { summary, warnings, parts } = outputs::write(&mut products, config, input, &run, &manner.request)?;
     let files = products.publish()?;
-    let given = input.segmentation.is_some();
+    let given = input.is_given();
     Ok(Done { width: run.width, height: run.height, outcome: run.outcome, given, parts, summary, warnings, files })
 }
 

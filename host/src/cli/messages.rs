@@ -52,7 +52,7 @@ pub fn report(config: &Config, name: &str, done: &Done, volume: Volume) -> Vec<S
         StopReason::TimeLimit => "was given up",
     };
     let how = match config.detection {
-        _ if done.given => "those of the given map".to_owned(),
+        _ if done.given => "measured as given".to_owned(),
         Some(_) => "by their significance".to_owned(),
         None => format!("the front {reason} at t = {t:.4} after {} steps", outcome.steps),
     };

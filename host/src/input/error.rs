@@ -54,6 +54,9 @@ pub enum Reason {
         /// What the map removes.
         why: &'static str,
     },
+    /// A table of places that cannot be used.
+    #[error("{0}")]
+    Table(String),
     /// The map marks no pixel.
     #[error("{0} marks no pixel: all are 0 or undefined")]
     Empty(String),

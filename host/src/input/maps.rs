@@ -1,8 +1,9 @@
 //! The maps that a command line names, read and checked against the image.
 
-use super::{Beside, Input, LabelMap, MapError, Observed, Reason, StartMap, WeightType};
+use super::{Beside, Input, LabelMap, MapError, Observed, Positions, Reason, StartMap, WeightType};
 use crate::read::{Image, Place};
 use std::fmt;
+use std::path::PathBuf;
 
 /// The maps of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +22,8 @@ pub struct Maps {
     pub measure_weight: Option<(Given, WeightType)>,
     /// A label map whose sources are measured instead of segmenting.
     pub segmentation: Option<Place>,
+    /// A table of places that are measured instead of sources.
+    pub positions: Option<PathBuf>,
     /// Where the front starts, and its margin, pixels.
     pub start: Option<(Place, f32)>,
 }
@@ -124,6 +127,12 @@ impl Maps {
                 wanted: "labels are whole numbers from 0 to 16777215",
             });
             input.segmentation = Some(labels.map_err(|reason| MapError { option: "segmentation", reason })?);
+        }
+        if let Some(path) = &self.positions {
+            let refused = |reason| MapError { option: "positions", reason: Reason::Table(reason) };
+            input.positions = Some(Positions::read(path).map_err(refused)?);
+            let file = path.display().to_string();
+            loader.beside.push(Beside { option: "positions", keyword: "SFPLACES", file, checksum: None });
         }
         if let Some((place, margin)) = &self.start {
             let map = loader.image("start", "SFSTMAP", place)?;

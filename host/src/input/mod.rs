@@ -3,12 +3,14 @@
 mod error;
 mod labels;
 mod maps;
+mod positions;
 mod start;
 mod weight;
 
 pub use error::{MapError, Reason};
 pub use labels::LabelMap;
 pub use maps::{Given, Maps};
+pub use positions::{At, Positions};
 pub use start::StartMap;
 pub use weight::WeightType;
 
@@ -43,6 +45,8 @@ pub struct Input {
     pub start: Option<StartMap>,
     /// A label map that takes the place of the segmentation.
     pub segmentation: Option<LabelMap>,
+    /// Places that are measured instead of sources.
+    pub positions: Option<Positions>,
     /// Pixels that the mask and the weight map took from the segmented image.
     pub removed: usize,
     /// The files beside the image.
@@ -81,10 +85,16 @@ impl Input {
             measured: None,
             start: None,
             segmentation: None,
+            positions: None,
             removed: 0,
             beside: Vec::new(),
             reading: Duration::ZERO,
         }
+    }
+
+    /// Whether nothing is to be found, because what is to be measured was given.
+    pub fn is_given(&self) -> bool {
+        self.segmentation.is_some() || self.positions.is_some()
     }
 
     /// The label that a source has in maps and catalogues: that of a given map, if there is one.

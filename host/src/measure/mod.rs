@@ -151,7 +151,21 @@ pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: 
     let sums = shape::sums(scene, sources);
     let task = Task { scene, extras, sky };
     workers::in_order(sources.len(), extras.threads, |index, growth: &mut Growth| {
-        task.one(&sources[index], &sums[index], growth)
+        let sums = &sums[index];
+        task.one(&sources[index], sums, sums.shape(&sources[index]), growth)
+    })
+}
+
+/// Measures the circular apertures at places, columns and rows from 0, as if a source of the label
+/// there had its centroid at each; all else is NaN.
+pub fn measure_at(scene: &Scene<'_>, places: &[(f64, f64)], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
+    let extras = &Extras { wanted: Wanted { kron: false, windowed: false, local: false }, ..extras.clone() };
+    let task = Task { scene, extras, sky };
+    workers::in_order(places.len(), extras.threads, |index, growth: &mut Growth| {
+        let (x, y) = places[index];
+        let source = Source::empty(scene.label_at(x, y));
+        let measured = task.one(&source, &shape::Sums::default(), Shape::at(x, y), growth);
+        Measured { flux: Flux::NONE, flags: measured.flags & !flags::NO_FLUX, ..measured }
     })
 }
 
@@ -171,9 +185,8 @@ struct Kron {
 }
 
 impl Task<'_> {
-    fn one(&self, source: &Source, sums: &shape::Sums, growth: &mut Growth) -> Measured {
+    fn one(&self, source: &Source, sums: &shape::Sums, shape: Shape, growth: &mut Growth) -> Measured {
         let Task { scene, extras, sky } = self;
-        let shape = sums.shape(source);
         let label = source.label;
         let (background, noise, threshold) = sums.levels();
         let wanted = extras.wanted;

@@ -77,6 +77,13 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// The label of the pixel around a place; 0 outside the image.
+    pub(super) fn label_at(&self, x: f64, y: f64) -> u32 {
+        let (column, row) = (x.round(), y.round());
+        let inside = column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < self.height as f64;
+        if inside { self.labels[row as usize * self.width + column as usize] } else { 0 }
+    }
+
     /// A pixel as it is.
     pub(super) fn pixel(&self, index: usize) -> f32 {
         self.pixels[index]

@@ -212,6 +212,12 @@ impl Ellipse {
 }
 
 impl Shape {
+    /// A place without a shape.
+    pub fn at(x: f64, y: f64) -> Shape {
+        const NONE: (f64, f64, f64) = (f64::NAN, f64::NAN, f64::NAN);
+        Shape { x, y, moments: NONE, a: f64::NAN, b: f64::NAN, theta: f64::NAN, errors: NONE }
+    }
+
     /// Semi-axes that no aperture may fall below: where the moments are those of less than a
     /// pixel's width, a pixel's own (1/12) are added, as SExtractor does.
     pub fn wide_axes(&self) -> (f64, f64) {

@@ -55,14 +55,14 @@ impl Sky {
             return Err(format!("distortion by a lookup table ({})", card.keyword()));
         }
         let (name, suffix) = kind.split_at_checked(3).ok_or(format!("projection {kind}"))?;
-        let sip = sip(&keys, suffix)?;
         let tpv = (name == "TPV" || (name == "TAN" && is_scamp(&keys, numbers))).then(|| Tpv::of(&keys, numbers));
-        if sip.is_some() && tpv.is_some() {
-            return Err("SIP and TPV together".to_owned());
-        }
         // What TPV keeps in the parameters is none of the projection's.
         let keys = if tpv.is_some() { keys.without_parameters() } else { keys };
         let projection = Projection::new(if tpv.is_some() { "TAN" } else { name }, &keys, numbers[1])?;
+        let sip = sip(&keys, suffix)?;
+        if sip.is_some() && tpv.is_some() {
+            return Err("SIP and TPV together".to_owned());
+        }
         let mut centre = [0.0; 2];
         for (centre, axis) in centre.iter_mut().zip(numbers) {
             *centre = keys.real(&format!("CRVAL{axis}")).unwrap_or(0.0) * linear::degrees(&keys, axis)?;
@@ -112,6 +112,25 @@ impl Sky {
         let angle = (east * middle.to_radians().cos()).atan2(to.1 - from.1).to_degrees().rem_euclid(180.0);
         // Rounding may bring a tiny negative angle up to 180 itself.
         Some(if angle < 180.0 { angle } else { 0.0 })
+    }
+
+    /// The pixel position, from 0, of a right ascension and declination in degrees, in
+    /// [`Sky::frame`]; none where no search from the reference pixel leads there.
+    pub fn pixel(&self, ra: f64, dec: f64) -> Option<(f64, f64)> {
+        const STEPS: usize = 50;
+        // Pixels.
+        const CLOSE: f64 = 1e-6;
+        let (mut x, mut y) = (self.reference[0] - 1.0, self.reference[1] - 1.0);
+        for _ in 0..STEPS {
+            let (at, patch) = (self.position(x, y)?, self.patch(x, y)?);
+            let east = ((ra - at.0 + 540.0).rem_euclid(360.0) - 180.0) * dec.to_radians().cos() * 3600.0;
+            let (dx, dy) = patch.pixels(east, (dec - at.1) * 3600.0)?;
+            (x, y) = (x + dx, y + dy);
+            if dx.abs() < CLOSE && dy.abs() < CLOSE {
+                return Some((x, y));
+            }
+        }
+        None
     }
 
     /// The sky around a pixel position; none where the projection does not reach.

@@ -4,8 +4,9 @@ use skyfront::read::image;
 use skyfront::sky::Sky;
 use skyfront::write::fits::Writer;
 use skyfront::write::{Entry, Value};
-use skyfront_tests::command::{Folder, messages, skyfront};
+use skyfront_tests::command::{Folder, messages, program, skyfront};
 use std::fs;
+use std::process::Command;
 
 const SIDE: usize = 60;
 
@@ -247,7 +248,7 @@ fn a_given_map_is_measured_under_its_own_labels() {
     let (sky, out) = (folder.file("sky.fits"), folder.file("again"));
     let output = skyfront(["segment", &sky, "--out", &out, "--segmentation", &renamed, "--catalog-format", "csv"]);
     assert!(output.status.success(), "{}", messages(&output));
-    assert!(messages(&output).contains("those of the given map"), "{}", messages(&output));
+    assert!(messages(&output).contains("measured as given"), "{}", messages(&output));
     let map = image(folder.path().join("again/segmentation.fits").as_ref(), None).expect("a map");
     assert_eq!(map.pixels, image(renamed.as_ref(), None).expect("a map").pixels);
     assert_eq!(map.header.text("SFMETHOD").as_deref(), Some("given"));
@@ -257,13 +258,75 @@ fn a_given_map_is_measured_under_its_own_labels() {
     let again: Vec<String> = text.lines().map(str::to_owned).collect();
     assert_eq!((cell(&again, 1, "label"), cell(&again, 2, "label")), ("4", "70"));
     let first = lines(&folder, "catalog.csv");
-    assert_eq!((cell(&again, 2, "x"), cell(&again, 2, "area")), (cell(&first, 1, "x"), cell(&first, 1, "area")));
+    assert_eq!(cell(&again, 2, "area"), cell(&first, 1, "area"));
+    // The sky of the given run is a mesh, that of the other one level.
+    let x = |csv: &[String], row: usize| cell(csv, row, "x").parse::<f64>().expect("a place");
+    assert!((x(&again, 2) - x(&first, 1)).abs() < 0.01, "{} {}", x(&again, 2), x(&first, 1));
     let mut odd = Writer::create(folder.file("odd.fits").as_ref()).expect("a file can be made");
     odd.image((SIDE, SIDE), &[], |_, row: &mut [f32]| row.fill(0.5)).expect("an image can be written");
     odd.finish().expect("the file can be completed");
     let output = skyfront(["segment", &sky, "--out", &out, "--segmentation", &folder.file("odd.fits"), "--overwrite"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(messages(&output).contains("labels are whole numbers"), "{}", messages(&output));
+}
+
+#[test]
+fn places_of_a_table_are_measured_without_detection() {
+    let folder = Folder::new("places-given");
+    let (sky, places, out) = (folder.file("sky.fits"), folder.file("places.csv"), folder.file("out"));
+    write_sky(&sky, &[]);
+    let run = |table: &str| {
+        fs::write(&places, table).expect("a file");
+        let output = skyfront([
+            "segment",
+            &sky,
+            "--out",
+            &out,
+            "--overwrite",
+            "--positions",
+            &places,
+            "--apertures",
+            "7",
+            "--no-pictures",
+        ]);
+        assert!(output.status.success(), "{}", messages(&output));
+        lines(&folder, "catalog.csv")
+    };
+    let csv = run("id,x,y\n5,16,21\n6,41,41\n7,-90,1\n");
+    assert_eq!(csv[0], "label,x,y,ra,dec,flux_aper_1,flux_aper_1_err,flags");
+    let light = |csv: &[String], row: usize| cell(csv, row, "flux_aper_1").parse::<f64>().expect("a flux");
+    // Of the disc of 1000 - 10 r^2 within six pixels, 92 500 in all.
+    assert!((light(&csv, 1) / light(&csv, 2) - 1.0).abs() < 0.02 && (8e4..1.0e5).contains(&light(&csv, 1)), "{csv:?}");
+    assert_eq!((cell(&csv, 1, "label"), cell(&csv, 3, "flux_aper_1")), ("5", ""));
+    let (ra, dec) = (cell(&csv, 2, "ra"), cell(&csv, 2, "dec"));
+    let again = run(&format!("ra,dec\n{ra},{dec}\n"));
+    assert!((light(&again, 1) / light(&csv, 2) - 1.0).abs() < 1e-4, "{again:?}");
+    assert!((cell(&again, 1, "x").parse::<f64>().expect("a place") - 41.0).abs() < 1e-4);
+}
+
+/// Pixels and places are those of the whole image, whichever way it comes in.
+#[test]
+fn an_image_comes_as_a_section_or_by_standard_input() {
+    let folder = Folder::new("section");
+    let (sky, out) = (folder.file("sky.fits"), folder.file("out"));
+    write_sky(&sky, &[]);
+    let fixed = ["--out", &out, "--overwrite", "--preset", "paper-f160", "--no-pictures"];
+    let section = format!("{sky}[PRIMARY][31:60,*]");
+    let output = skyfront(["segment", &section].iter().chain(&fixed));
+    assert!(output.status.success(), "{}", messages(&output));
+    let part = lines(&folder, "catalog.csv");
+    let mut piped = Command::new(program());
+    piped.args(["segment", "-"]).args(fixed).stdin(fs::File::open(&sky).expect("a file"));
+    let piped = piped.output().expect("the program can be started");
+    assert!(piped.status.success(), "{}", messages(&piped));
+    let whole = lines(&folder, "catalog.csv");
+    assert_eq!((part.len(), whole.len()), (2, 3));
+    let value = |csv: &[String], row: usize, name: &str| cell(csv, row, name).parse::<f64>().expect("a number");
+    assert!((value(&part, 1, "x") + 30.0 - value(&whole, 2, "x")).abs() < 1e-3);
+    assert!((value(&part, 1, "ra") - value(&whole, 2, "ra")).abs() < 1e-7);
+    let output = skyfront(["segment", &format!("{sky}[1:99,1:9]")].iter().chain(&fixed));
+    assert_eq!(output.status.code(), Some(1));
+    assert!(messages(&output).contains("section [1:99,1:9]"), "{}", messages(&output));
 }
 
 #[test]

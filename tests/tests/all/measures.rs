@@ -61,17 +61,18 @@ fn a_galaxy_measures_what_photutils_says() {
     assert_eq!(source.flags, 0);
 }
 
-/// Two stars of one height at column 20 and `far` columns to the right, each half of their light to its label.
+/// A star at column 20 and a fainter one `far` columns to the right, whose label reaches nearer to the
+/// first than to itself.
 fn pair(far: f64) -> (Vec<f32>, Vec<u32>, usize) {
     let side = 61;
     let bell = |x: f64, y: f64| 1000.0 * (-(x * x + y * y) / (2.0 * 2.5 * 2.5)).exp();
     let place = |at: usize| ((at % side) as f64 - 20.0, (at / side) as f64 - 30.0);
     let light = |at: usize| {
         let (x, y) = place(at);
-        (bell(x, y) + bell(x - far, y)) as f32
+        (bell(x, y) + 0.3 * bell(x - far, y)) as f32
     };
     let pixels: Vec<f32> = (0..side * side).map(light).collect();
-    let labels = (0..side * side).map(|at| match place(at).0 < 0.5 * far {
+    let labels = (0..side * side).map(|at| match place(at).0 < 0.35 * far {
         _ if pixels[at] < 20.0 => 0,
         true => 1,
         false => 2,
@@ -92,7 +93,7 @@ fn a_neighbour_is_replaced_by_the_light_opposite_to_it() {
     let alone = 1000.0 * 2.0 * std::f64::consts::PI * 2.5 * 2.5;
     let [correct, mask, keep] = [Neighbours::Correct, Neighbours::Mask, Neighbours::Keep].map(flux);
     assert!((correct.0 / alone - 1.0).abs() < 0.01 && (correct.1 / alone - 1.0).abs() < 0.01, "{correct:?} of {alone}");
-    assert!(mask.1 < 0.995 * correct.1 && keep.1 > 1.3 * correct.1, "{mask:?} {correct:?} {keep:?}");
+    assert!(mask.1 < 0.97 * correct.1 && keep.1 > 1.02 * correct.1, "{mask:?} {correct:?} {keep:?}");
 }
 
 #[test]
@@ -114,7 +115,7 @@ fn an_aperture_without_a_pixel_to_measure_has_no_flux_and_a_flag() {
 
 #[test]
 fn a_windowed_centroid_is_less_moved_by_a_neighbour() {
-    let (pixels, labels, side) = pair(9.0);
+    let (pixels, labels, side) = pair(12.0);
     let wanted = Wanted { windowed: true, ..Wanted::default() };
     let source = &measured(&pixels, &labels, side, &Extras { wanted, ..known(0.0, 1.0) })[0];
     let (plain, windowed) = (source.shape.x - 20.0, source.windowed.x - 20.0);

@@ -175,12 +175,12 @@ fn a_header_without_celestial_axes_has_no_coordinates() {
 
 /// Headers of every projection, frame and way of writing, each with the right ascension and
 /// declination that astropy 8.0.2 gives for three FITS pixels
-/// (`WCS(header).wcs_pix2world`, `SkyCoord.icrs`).
+/// (`WCS(header).wcs_pix2world`, `SkyCoord.icrs`); for SCAMP's TAN with parameters those of TPV.
 const PROJECTIONS: &str = include_str!("projections.txt");
 
 #[test]
 fn every_projection_is_that_of_astropy() {
-    let mut cases = 0;
+    let (mut cases, mut far) = (0, Vec::new());
     for case in PROJECTIONS.split("# ").filter(|case| !case.trim().is_empty()) {
         let (lines, points): (Vec<&str>, Vec<&str>) = case.lines().skip(1).partition(|line| !line.starts_with("= "));
         let text = lines.join("\n");
@@ -191,15 +191,17 @@ fn every_projection_is_that_of_astropy() {
             let numbers: Vec<f64> = point[2..].split(' ').filter_map(|number| number.parse().ok()).collect();
             let found = sky.position(numbers[0] - 1.0, numbers[1] - 1.0);
             let (Some(found), [ra, dec]) = (found, &numbers[2..]) else {
-                assert!(found.is_none() && numbers.len() == 2, "{point}: {found:?}\n{text}");
+                far.extend((found.is_some() || numbers.len() > 2).then(|| format!("{point}: {found:?}\n{text}")));
                 continue;
             };
             let east = ((found.0 - ra + 540.0).rem_euclid(360.0) - 180.0) * dec.to_radians().cos() * 3600.0;
             let north = (found.1 - dec) * 3600.0;
-            assert!(east.hypot(north) < 1e-3, "{point}: {found:?}, {:e} arcsec off\n{text}", east.hypot(north));
+            let off = east.hypot(north);
+            far.extend((off >= 1e-3).then(|| format!("{point}: {found:?}, {off:e} arcsec off\n{text}")));
         }
         cases += 1;
     }
+    assert!(far.is_empty(), "\n{}", far.join("\n\n"));
     assert!(cases > 60, "only {cases} headers");
 }
 

@@ -212,6 +212,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             sources: state.numbered,
             catalogued: state.numbered.min(u32::try_from(self.memory.sources.len()).unwrap_or(u32::MAX)),
             unlabelled: state.unlabelled,
+            unreached: state.unreached,
             work: state.work,
         }
     }

@@ -38,6 +38,7 @@ pub(crate) struct State<A: Arithmetic> {
     pub labels: u32,
     pub numbered: u32,
     pub unlabelled: u32,
+    pub unreached: u32,
     pub work: u64,
 }
 
@@ -66,6 +67,7 @@ impl<A: Arithmetic> State<A> {
             labels: 0,
             numbered: 0,
             unlabelled: 0,
+            unreached: 0,
             work: 0,
         }
     }
@@ -98,9 +100,14 @@ impl<A: Arithmetic> State<A> {
         self.regions.code(codec)?;
         codec.real(&mut self.last_change)?;
         codec.word(&mut reason)?;
-        for count in
-            [&mut self.steps, &mut self.mask_pixels, &mut self.labels, &mut self.numbered, &mut self.unlabelled]
-        {
+        for count in [
+            &mut self.steps,
+            &mut self.mask_pixels,
+            &mut self.labels,
+            &mut self.numbered,
+            &mut self.unlabelled,
+            &mut self.unreached,
+        ] {
             codec.word(count)?;
         }
         codec.long(&mut self.work)?;
@@ -116,7 +123,7 @@ impl<A: Arithmetic> State<A> {
     /// within its range.
     pub fn is_sound(&self, config: &Config, width: usize, height: usize, bound: u64) -> bool {
         let pixels = width.saturating_mul(height);
-        let in_frame = [self.extremes.defined, self.mask_pixels, self.labels, self.unlabelled]
+        let in_frame = [self.extremes.defined, self.mask_pixels, self.labels, self.unlabelled, self.unreached]
             .iter()
             .all(|&count| count as usize <= pixels);
         let Extremes { least, greatest, defined } = self.extremes;

@@ -64,6 +64,7 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "n_sources": outcome.sources,
         "sources_not_in_catalog": outcome.sources - outcome.catalogued,
         "pixels_not_labelled": outcome.unlabelled,
+        "pixels_not_reached": outcome.unreached,
         "labels_crc32": format!("{:08x}", label_digest(&run.labels)),
         "seconds": seconds,
     })

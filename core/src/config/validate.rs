@@ -129,7 +129,7 @@ impl Config {
 
     fn validate_front(&self) -> Result<(), Error> {
         at_least("nu", self.nu, 0.0)?;
-        at_most("nu", self.nu, 1.0)?;
+        at_most("nu", self.nu, self.greatest_nu())?;
         above("time step", self.dt, 0.0)?;
         at_most("time step", self.dt, self.longest_step())?;
         let ChanVese { mu, lambda1, lambda2 } = self.chan_vese;
@@ -159,6 +159,22 @@ impl Config {
             at_most("margin", margin, 100.0)?;
         }
         at_least("min_area", self.min_area as f32, 1.0)
+    }
+
+    /// The bound on `nu`. A step of SL with curvature takes `nu v` off a value, and the least value
+    /// on the ball, `dt / dx` pixels away at most, holds no more of the old v than that interpolant
+    /// does: `1 - dt/dx` along an axis, `(1 - dt/(dx sqrt 2))^2` along a diagonal. Up to there no
+    /// value falls below all others. At the paper's `dt = dx` nothing of v is left; but as a step
+    /// then adds at most `nu` of their range to it, it is at most e times as wide after a run with
+    /// `nu` up to one over its steps.
+    fn greatest_nu(&self) -> f32 {
+        if self.scheme != Scheme::SlCurvature {
+            return 1.0;
+        }
+        let reach = self.dt / self.dx;
+        let (axis, diagonal) = (1.0 - reach, 1.0 - reach * core::f32::consts::FRAC_1_SQRT_2);
+        let centre = axis.min(diagonal * diagonal);
+        centre.max(1.0 / self.max_steps().max(1) as f32).min(1.0) * SLACK
     }
 
     /// The bound on `dt` (CFL): 1/2 of a pixel a step for FD, 2/5 for the filtered FD, 1 for SL; the look along the contour,

@@ -67,7 +67,8 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 // The time of the last arrival, in steps; some arrivals are known before their time.
                 let steps = (state.march.latest() * self.config.dx / self.config.dt) as u32;
                 let most = self.config.max_steps();
-                state.reason = if steps > most { StopReason::TimeLimit } else { StopReason::Rest };
+                let late = state.march.is_cut() || steps > most;
+                state.reason = if late { StopReason::TimeLimit } else { StopReason::Rest };
                 state.steps = steps.min(most);
             }
             Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),

@@ -45,6 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let manner = Manner {
         arithmetic: ArithmeticOption::F32,
         pictures: true,
+        own_time: false,
         overwrite: arguments.overwrite,
         threads: 1,
         request: Request::default(),

@@ -85,6 +85,10 @@ pub fn warnings(name: &str, done: &Done) -> Vec<String> {
     if done.outcome.catalogued < done.outcome.sources {
         lines.push(format!("warning: {name}: the catalogue has room for {} sources only", done.outcome.catalogued));
     }
+    if done.outcome.unreached > 0 {
+        let (pixels, way) = (done.outcome.unreached, "no front can have reached");
+        lines.push(format!("warning: {name}: {pixels} pixels {way} by t_max: they are no source; raise --t-max"));
+    }
     if done.outcome.unlabelled > 0 {
         lines.push(format!("warning: {name}: {} pixels of sources found no free label", done.outcome.unlabelled));
     }

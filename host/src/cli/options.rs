@@ -113,7 +113,8 @@ pub struct Options {
     /// 8 for chan-vese].
     #[arg(long, help_heading = "Front")]
     pub dt: Option<f64>,
-    /// The front is given up at this time [default: 50; 1600 for chan-vese].
+    /// The front is given up at this time [default: 50, or 5/3 of the frame's shorter side where
+    /// that is more; 1600 for chan-vese].
     #[arg(long, help_heading = "Front")]
     pub t_max: Option<f64>,
     /// Pixels with |u| up to here count as near the front [default: 0.1].

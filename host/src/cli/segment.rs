@@ -72,7 +72,8 @@ impl Arguments {
         let threads = self.threads.map_or_else(all_processors, usize::from);
         let request = self.measuring.request();
         let arithmetic = self.options.arithmetic;
-        Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
+        let own_time = self.options.t_max.is_some();
+        Manner { arithmetic, pictures: !self.no_pictures, own_time, overwrite: self.overwrite, threads, request }
     }
 
     /// Reads an image as it is wanted, with the maps that come with it.

@@ -1,6 +1,7 @@
 //! Every rule of every step beside the f64 reference, each step from the core's own input; and that faults are seen.
 
 use skyfront::crosscheck::{CheckError, Difference, crosscheck, parameters, walk};
+use skyfront::pipeline::{Drive, segment};
 use skyfront::reference::{self, Parameters};
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32};
 use skyfront_core::config::{
@@ -212,7 +213,7 @@ fn faults_are_seen_where_they_are_made() {
     let cv = PAPER.with_scheme(Scheme::ChanVese);
     let weighted = Config { chan_vese: ChanVese { mu: 0.005, lambda1: 1.5, lambda2: 0.5 }, ..cv };
     let bent = Config { nu: 0.05, ..PAPER.with_scheme(Scheme::FdCurvature) };
-    let looking = Config { nu: 0.05, ..PAPER.with_scheme(Scheme::SlCurvature) };
+    let looking = Config { nu: 0.05, dt: 0.05, ..PAPER.with_scheme(Scheme::SlCurvature) };
     let noisy = Config { normalize: Normalize::Noise { below: 3.0, above: 30.0 }, ..PAPER };
     type Fault = fn(&mut Parameters);
     let faults: [(&Config, Fault, &str); 26] = [
@@ -254,6 +255,35 @@ fn faults_are_seen_where_they_are_made() {
         let blamed = blamed(config, fault);
         assert!(blamed.contains(&step), "{step}: only {blamed:?} of {config:?}");
     }
+}
+
+/// Whole runs are held to limits only where there are some.
+#[test]
+fn whole_runs_can_be_held_to_limits() {
+    let pixels = sky(Kind::Bright, 13, WIDTH, HEIGHT);
+    let mut check = crosscheck(&PAPER, &pixels, WIDTH, HEIGHT, |most| most).expect("a sky").remove(0);
+    (check.comparison.mask_pixels, check.comparison.steps) = (3, (10, 14));
+    assert_eq!(check.failures(), Vec::<&str>::new());
+    (check.tolerances.pixels, check.tolerances.steps) = (Some(3), Some(4));
+    assert_eq!(check.failures(), Vec::<&str>::new());
+    (check.tolerances.pixels, check.tolerances.steps) = (Some(2), Some(3));
+    assert_eq!(check.failures(), ["steps", "mask"]);
+}
+
+/// `g2` is 1 where the gradient is least, on an image that is steep everywhere too.
+#[test]
+fn the_least_gradient_has_no_edge() {
+    let pixels: Vec<f32> =
+        (0..WIDTH * HEIGHT).map(|at| ((at % WIDTH) as f32).powi(2) + (at % WIDTH) as f32 * 9.0).collect();
+    let config = Config { edge: Edge::G2, rescale: Rescale::None, filter: Filter::None, ..PAPER };
+    let mut drive = Drive { keep_stages: true, ..Drive::default() };
+    let run = segment(&config, &pixels, WIDTH, HEIGHT, &mut drive).expect("an image");
+    assert!(run.outcome.gradient.0 > 0.1, "{:?}", run.outcome.gradient);
+    let g = run.stages.expect("stages were kept").edge;
+    assert_eq!(g.iter().copied().fold(0.0, f32::max), 1.0);
+    let mut found = Vec::new();
+    faults(&config, &pixels, &mut found);
+    assert_none(&found);
 }
 
 /// A bit flips in a plane after a pass: what a beam of particles does, and what a wrong formula does to one pixel.

@@ -55,6 +55,7 @@ pub mod normalize;
 pub mod otsu;
 pub mod outcome;
 pub mod photon;
+pub mod plan;
 pub mod region;
 pub mod rescale;
 pub mod rosin;

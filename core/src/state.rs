@@ -1,7 +1,6 @@
 //! Everything that changes during a run but lies not in a plane: plain data.
 
 use crate::arithmetic::{Arithmetic, Bits, Real};
-use crate::budget;
 use crate::codec::Codec;
 use crate::config::Config;
 use crate::edge::GradientRange;
@@ -9,6 +8,7 @@ use crate::march::March;
 use crate::noise::Estimate;
 use crate::normalize::{Extremes, Range};
 use crate::outcome::StopReason;
+use crate::plan::Plan;
 use crate::region::Regions;
 use crate::select::Select;
 use crate::stage::Stage;
@@ -133,8 +133,9 @@ impl<A: Arithmetic> State<A> {
             least.is_finite() && greatest.is_finite() && least <= greatest
         };
         let numbers = [self.range.low, self.range.high, self.fill, self.tau, self.last_change];
-        let passes = budget::passes(config, self.stage).max(1);
-        let before_range = self.stage <= Stage::Median;
+        let plan = Plan::of(config);
+        let step = plan.step(self.stage);
+        let before_range = plan.is_before_image(self.stage);
         in_frame
             && values
             && numbers.iter().all(|number| number.is_finite())
@@ -146,7 +147,7 @@ impl<A: Arithmetic> State<A> {
             && self.select.is_sound()
             && self.noise.is_sound(pixels)
             && self.march.is_sound(config.farthest(), pixels)
-            && (self.row < height && self.pass < passes || self.stage == Stage::Done)
+            && step.map_or(self.stage == Stage::Done, |step| self.row < height && self.pass < step.passes)
             && self.steps <= config.max_steps()
             && self.numbered <= self.labels
             && self.work <= bound

@@ -10,6 +10,7 @@ use crate::frame::Frame;
 use crate::label::{Damaged, Table, labelled_pieces};
 use crate::march::March;
 use crate::normalize;
+use crate::plan::reads_frame;
 use crate::rescale::Rescaler;
 use crate::scheme::{Evolve, Step};
 use crate::stage::Stage;
@@ -25,7 +26,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         let samples = self.memory.samples.get_mut(..width).unwrap_or(&mut []);
         let image = row_of_mut(self.memory.image, width, y);
         let counts = &mut *self.memory.counts;
-        if state.stage.reads_frame() {
+        if reads_frame(state.stage) {
             frame.row(y, samples).map_err(Error::Frame)?;
         }
         match state.stage {

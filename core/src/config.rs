@@ -327,13 +327,13 @@ impl Config {
     /// The default: sources by their significance, one setting for every kind of sky.
     pub const NOISE_AWARE: Config = Config { detection: Some(Detection::DEFAULT), ..Config::PAPER_F160 };
 
-    /// Test 2 of the paper at its best: filter first (Perona-Malik, longer), `r1`, `g2mod`, `DFg`.
+    /// Test 2 of the paper at its best: `r1`, then Perona-Malik (longer), `g2mod`, `DFg`. The other
+    /// figures of that test filter by the heat equation, before they rescale.
     pub const PAPER_REAL: Config = Config {
         rescale: Rescale::R1 { alpha: 0.25 },
         filter: Filter::PeronaMalik { diffusivity: Diffusivity::F2, mu: 30.0 },
         filter_steps: 15,
         filter_dt: 1e-3,
-        order: Order::FilterFirst,
         edge: Edge::G2Mod { c2: 0.78 },
         ..Config::PAPER_F160
     };
@@ -389,6 +389,30 @@ impl Config {
             Rescale::R3 { tau: Tau::Value(tau), .. } => tau,
             _ => 0.0,
         }
+    }
+
+    /// The same run with time for a front to cross a frame from its border: at least 5/3 of the
+    /// shorter side, the share of the paper's 50 of its 300 pixels, as far as [`MAX_STEPS`] go.
+    /// A front that starts near the objects has no frame to cross.
+    pub fn with_time_for(self, width: usize, height: usize) -> Config {
+        if !self.crosses_frame() {
+            return self;
+        }
+        let way = width.min(height) as f32 * (5.0 / 3.0) * self.dx;
+        let most = self.dt * MAX_STEPS as f32;
+        let way = if way > most { most } else { way };
+        Config { t_max: if way > self.t_max { way } else { self.t_max }, ..self }
+    }
+
+    /// Whether the front has to come from the frame's border.
+    fn crosses_frame(&self) -> bool {
+        self.start == Start::Frame && self.scheme != Scheme::ChanVese
+    }
+
+    /// So many pixels from the border begins what no front can reach by `t_max`, whose speed is 1
+    /// at most; two more for the width of its profile. `None` where it does not come from there.
+    pub(crate) fn beyond_reach(&self) -> Option<usize> {
+        self.crosses_frame().then_some((self.farthest() + 3.5) as usize + 1)
     }
 
     /// `t_max` in pixels of free motion.

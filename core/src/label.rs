@@ -168,6 +168,14 @@ impl<'a, C: Cell> Table<'a, C> {
         Ok(())
     }
 
+    /// Takes the components of a piece of a row that pass 3 has seen out of the numbers: their first
+    /// labels are equal to none.
+    pub fn drop_row(&mut self, row: &[C]) {
+        for (_, piece) in labelled_pieces(row) {
+            piece.iter().filter(|cell| cell.bits() != C::BLANK.bits()).for_each(|cell| self.set_equal(cell.label(), 0));
+        }
+    }
+
     /// Pass 3: first labels in place of provisional ones, and their areas (saturated).
     ///
     /// # Errors
@@ -176,6 +184,9 @@ impl<'a, C: Cell> Table<'a, C> {
         for cell in labelled(row) {
             let first = self.equal(cell.label())?;
             *cell = C::from_label(first);
+            if first == 0 {
+                continue;
+            }
             let area = self.back(first).ok_or(Damaged)?;
             *area = C::from_label(area.label().saturating_add(1));
         }

@@ -58,6 +58,7 @@ pub mod outcome;
 pub mod outline;
 pub mod photon;
 mod pieces;
+pub mod plan;
 pub mod region;
 pub mod rescale;
 pub mod rosin;

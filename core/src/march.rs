@@ -67,6 +67,8 @@ pub fn looks(t_max: f32) -> u32 {
     LOOKS + March::new(t_max).last_bucket / (BUCKETS - 1)
 }
 
+/// A front that takes longer over a pixel counts as resting there.
+const AT_REST: f32 = 10.0;
 /// Longer than any run, which takes at most 100 000 steps of a pixel.
 const NEVER: f32 = 1e6;
 
@@ -80,6 +82,8 @@ pub struct March {
     last_bucket: u32,
     /// The greatest time that was settled.
     latest: f32,
+    /// The front was still on its way to a pixel when time was up.
+    cut: bool,
 }
 
 /// The two planes of a march.
@@ -205,7 +209,11 @@ impl March {
         self.heads.iter_mut().try_for_each(|head| codec.word(head))?;
         codec.word(&mut self.next)?;
         codec.word(&mut self.bucket)?;
-        codec.real(&mut self.latest)
+        codec.real(&mut self.latest)?;
+        let mut cut = u32::from(self.cut);
+        codec.word(&mut cut)?;
+        self.cut = cut != 0;
+        Ok(())
     }
 
     /// Whether a march to `t_max` over so many pixels can be in this state.
@@ -221,7 +229,7 @@ impl March {
     /// A march up to the time `t_max`, in pixels of free motion.
     pub fn new(t_max: f32) -> March {
         let last_bucket = ((t_max + OFFSET) / WIDTH) as u32;
-        March { heads: [END; BUCKETS as usize], next: END, bucket: 0, last_bucket, latest: 0.0 }
+        March { heads: [END; BUCKETS as usize], next: END, bucket: 0, last_bucket, latest: 0.0, cut: false }
     }
 
     /// Turns a row of `u0`, in pixels, into times: pixels outside the front have theirs.
@@ -343,6 +351,7 @@ impl March {
     fn wait<A: Arithmetic>(&mut self, planes: &mut Planes<'_, A>, pixel: u32, time: f32, first: u32) {
         let bucket = (time / WIDTH) as u32;
         if bucket > self.last_bucket {
+            self.cut |= planes.delay(pixel) < AT_REST;
             planes.set(pixel, FAR.to_bits());
             return;
         }
@@ -364,6 +373,11 @@ impl March {
             let level = if reached { (f32::from_bits(bits) - OFFSET) - t_max } else { 1.0 };
             *cell = A::to_level(A::Real::of(if level > 0.0 && reached { 1.0 } else { level }));
         }
+    }
+
+    /// Whether time was up while the front still moved at more than a tenth of its free speed.
+    pub fn is_cut(&self) -> bool {
+        self.cut
     }
 
     /// The latest arrival, in pixels of free motion.

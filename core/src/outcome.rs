@@ -37,6 +37,8 @@ pub struct Outcome {
     pub catalogued: u32,
     /// Pixels of the mask left without a label because the label table was full.
     pub unlabelled: u32,
+    /// Pixels of the mask that no front can have reached by `t_max`; their components are no source.
+    pub unreached: u32,
     /// Rows of work done.
     pub work: u64,
 }

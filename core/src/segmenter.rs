@@ -4,7 +4,6 @@ mod order;
 mod rows;
 
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::budget;
 use crate::catalog::Source;
 use crate::config::Config;
 use crate::edge::EdgeDetector;
@@ -13,6 +12,7 @@ use crate::frame::Frame;
 use crate::front::{Front, LEAST_SIDE, MOST_COLUMNS};
 use crate::memory::{Memory, flags_len};
 use crate::outcome::{Outcome, Progress};
+use crate::plan::Plan;
 use crate::region::Regions;
 use crate::scheme::{AnyScheme, Chosen, Evolve};
 use crate::settle::Settle;
@@ -89,7 +89,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let memory = Memory { tiles: memory.tiles.get_mut(..flags).unwrap_or(&mut []), ..memory };
         let rule = StopRule::new(config, front.unit);
         let state = State::new(config, &rule);
-        let bound = budget::total_rows(config, height);
+        let bound = Plan::of(config).total_rows(height);
         let settle = Settle::new(config.band);
         Ok(Segmenter {
             config: chosen,
@@ -212,6 +212,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             sources: state.numbered,
             catalogued: state.numbered.min(u32::try_from(self.memory.sources.len()).unwrap_or(u32::MAX)),
             unlabelled: state.unlabelled,
+            unreached: state.unreached,
             work: state.work,
         }
     }
@@ -268,7 +269,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         self.state.stage
     }
 
-    /// Row operations done so far, and the most that the run can need ([`budget::total_rows`]).
+    /// Row operations done so far, and the most that the run can need ([`Plan::total_rows`]).
     pub fn work(&self) -> (u64, u64) {
         (self.state.work, self.bound)
     }

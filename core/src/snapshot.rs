@@ -22,7 +22,7 @@ const MAGIC: u32 = 0x4679_6B53;
 const VERSION: u32 = 5;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
-const STATE_WORDS: usize = 114;
+const STATE_WORDS: usize = 116;
 const SOURCE_WORDS: usize = 25;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will

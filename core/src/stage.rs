@@ -1,9 +1,7 @@
-//! The stages of a run and their order.
+//! The stages that a run can have; which of them it has, and in which order, tells [`crate::plan`].
 
-use crate::config::Order;
-
-/// The steps, in the order of a run; each is one pass over the rows, or several.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// What is done in a step; each is one pass over the rows, or several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Extremes of the pixels (one pass).
     Extremes,
@@ -101,54 +99,5 @@ impl Stage {
     /// The stage with that number; the first where there is none.
     pub(crate) fn from_code(code: u32) -> Stage {
         Stage::ALL.get(code as usize).copied().unwrap_or(Stage::Extremes)
-    }
-
-    /// The order of all stages.
-    pub(crate) fn following(self, order: Order) -> Stage {
-        use Order::{FilterFirst, RescaleFirst};
-        match (self, order) {
-            (Stage::Extremes, _) => Stage::LowPercentile,
-            (Stage::LowPercentile, _) => Stage::HighPercentile,
-            (Stage::HighPercentile, _) => Stage::Sky,
-            (Stage::Sky, _) => Stage::Median,
-            (Stage::Median, _) => Stage::Normalize,
-            (Stage::Normalize, RescaleFirst) | (Stage::Filter, FilterFirst) => Stage::Threshold,
-            (Stage::Threshold, _) => Stage::Rescale,
-            (Stage::Normalize, FilterFirst) | (Stage::Rescale, RescaleFirst) => Stage::Filter,
-            (Stage::Rescale, FilterFirst) | (Stage::Filter, RescaleFirst) => Stage::StartLevel,
-            (Stage::StartLevel, _) => Stage::StartMark,
-            (Stage::StartMark, _) => Stage::StartUp,
-            (Stage::StartUp, _) => Stage::StartDown,
-            (Stage::StartDown, _) => Stage::Gradient,
-            (Stage::Gradient, _) => Stage::Edge,
-            (Stage::Edge, _) => Stage::Front,
-            (Stage::Front, _) => Stage::Evolve,
-            (Stage::Evolve, _) => Stage::Seed,
-            (Stage::Seed, _) => Stage::Sow,
-            (Stage::Sow, _) => Stage::March,
-            (Stage::March, _) => Stage::Arrive,
-            (Stage::Arrive, _) => Stage::Provisional,
-            (Stage::Provisional, _) => Stage::Resolve,
-            (Stage::Resolve, _) => Stage::Count,
-            (Stage::Count, _) => Stage::Number,
-            (Stage::Number, _) => Stage::Measure,
-            (Stage::Measure | Stage::Done, _) => Stage::Done,
-        }
-    }
-
-    /// Whether the stage asks for the original pixels.
-    pub(crate) fn reads_frame(self) -> bool {
-        matches!(
-            self,
-            Stage::Extremes
-                | Stage::LowPercentile
-                | Stage::HighPercentile
-                | Stage::Sky
-                | Stage::Median
-                | Stage::Normalize
-                | Stage::Threshold
-                | Stage::Provisional
-                | Stage::Measure
-        )
     }
 }

@@ -1,7 +1,6 @@
 //! Everything that changes during a run but lies not in a plane: plain data.
 
 use crate::arithmetic::{Arithmetic, Bits, Real};
-use crate::budget;
 use crate::codec::Codec;
 use crate::config::Config;
 use crate::edge::GradientRange;
@@ -9,6 +8,7 @@ use crate::march::March;
 use crate::noise::Estimate;
 use crate::normalize::{Extremes, Range};
 use crate::outcome::StopReason;
+use crate::plan::Plan;
 use crate::region::Regions;
 use crate::select::Select;
 use crate::stage::Stage;
@@ -38,6 +38,7 @@ pub(crate) struct State<A: Arithmetic> {
     pub labels: u32,
     pub numbered: u32,
     pub unlabelled: u32,
+    pub unreached: u32,
     pub work: u64,
 }
 
@@ -66,6 +67,7 @@ impl<A: Arithmetic> State<A> {
             labels: 0,
             numbered: 0,
             unlabelled: 0,
+            unreached: 0,
             work: 0,
         }
     }
@@ -98,9 +100,14 @@ impl<A: Arithmetic> State<A> {
         self.regions.code(codec)?;
         codec.real(&mut self.last_change)?;
         codec.word(&mut reason)?;
-        for count in
-            [&mut self.steps, &mut self.mask_pixels, &mut self.labels, &mut self.numbered, &mut self.unlabelled]
-        {
+        for count in [
+            &mut self.steps,
+            &mut self.mask_pixels,
+            &mut self.labels,
+            &mut self.numbered,
+            &mut self.unlabelled,
+            &mut self.unreached,
+        ] {
             codec.word(count)?;
         }
         codec.long(&mut self.work)?;
@@ -116,7 +123,7 @@ impl<A: Arithmetic> State<A> {
     /// within its range.
     pub fn is_sound(&self, config: &Config, width: usize, height: usize, bound: u64) -> bool {
         let pixels = width.saturating_mul(height);
-        let in_frame = [self.extremes.defined, self.mask_pixels, self.labels, self.unlabelled]
+        let in_frame = [self.extremes.defined, self.mask_pixels, self.labels, self.unlabelled, self.unreached]
             .iter()
             .all(|&count| count as usize <= pixels);
         let Extremes { least, greatest, defined } = self.extremes;
@@ -126,8 +133,9 @@ impl<A: Arithmetic> State<A> {
             least.is_finite() && greatest.is_finite() && least <= greatest
         };
         let numbers = [self.range.low, self.range.high, self.fill, self.tau, self.last_change];
-        let passes = budget::passes(config, self.stage).max(1);
-        let before_range = self.stage <= Stage::Median;
+        let plan = Plan::of(config);
+        let step = plan.step(self.stage);
+        let before_range = plan.is_before_image(self.stage);
         in_frame
             && values
             && numbers.iter().all(|number| number.is_finite())
@@ -139,7 +147,7 @@ impl<A: Arithmetic> State<A> {
             && self.select.is_sound()
             && self.noise.is_sound(pixels)
             && self.march.is_sound(config.farthest(), pixels)
-            && (self.row < height && self.pass < passes || self.stage == Stage::Done)
+            && step.map_or(self.stage == Stage::Done, |step| self.row < height && self.pass < step.passes)
             && self.steps <= config.max_steps()
             && self.numbered <= self.labels
             && self.work <= bound

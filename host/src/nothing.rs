@@ -87,6 +87,7 @@ pub fn without_front(extremes: Extremes) -> Outcome {
         sources: 0,
         catalogued: 0,
         unlabelled: 0,
+        unreached: 0,
         work: 0,
     }
 }

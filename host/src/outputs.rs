@@ -124,6 +124,10 @@ fn limits(outcome: &Outcome) -> Vec<String> {
     if outcome.catalogued < outcome.sources {
         lines.push(format!("the catalogue has room for {} sources only", outcome.catalogued));
     }
+    if outcome.unreached > 0 {
+        let pixels = outcome.unreached;
+        lines.push(format!("{pixels} pixels no front can have reached by t_max: they are no source; raise --t-max"));
+    }
     if outcome.unlabelled > 0 {
         lines.push(format!("{} pixels of sources found no free label", outcome.unlabelled));
     }

@@ -65,6 +65,7 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "catalog_room": moved(json!(room_for_sources(run.width * run.height))),
         "sources_not_in_catalog": outcome.sources - outcome.catalogued,
         "pixels_not_labelled": outcome.unlabelled,
+        "pixels_not_reached": outcome.unreached,
         "labels_crc32": format!("{:08x}", label_digest(&run.labels)),
         "seconds": seconds,
     })

@@ -15,6 +15,7 @@ use skyfront_core::digest::Digest;
 use skyfront_core::error::Error;
 use skyfront_core::frame::SliceFrame;
 use skyfront_core::outcome::Progress;
+use skyfront_core::plan::{self, leaves};
 use skyfront_core::segmenter::Segmenter;
 use skyfront_core::stage::Stage;
 
@@ -107,7 +108,7 @@ fn trace_in<A: Arithmetic>(config: &Config, pixels: &[f32], width: usize, height
         if run.stage() != stage
             && let Some(name) = name(stage)
         {
-            let cells = if stage < Stage::Front { run.image() } else { run.front() };
+            let cells = if leaves(stage) == Some(plan::Plane::Image) { run.image() } else { run.front() };
             planes.push(Plane { name, bytes: cell_bytes(cells) });
         }
         if let Progress::Done(outcome) = progress {

@@ -27,7 +27,7 @@ pub fn apart([one, other]: &[Segmentation; 2]) -> [usize; 2] {
 /// Every motion of the front that arithmetic `A` serves, with image steps that between them use every stage and kind
 /// of step; a band and a curvature that every arithmetic can serve, and few time steps.
 pub fn every_kind<A: Arithmetic>() -> Vec<Config> {
-    let base = Config { band: Some(8.0), nu: 0.05, ..Config::PAPER_F160 };
+    let base = Config { band: Some(8.0), nu: 0.04, ..Config::PAPER_F160 };
     let percentile = Normalize::Percentile { low: 1.0, high: 99.0 };
     let pm = |diffusivity| Filter::PeronaMalik { diffusivity, mu: 2.0 };
     let r1 = Rescale::R1 { alpha: 0.3 };

@@ -18,3 +18,8 @@ pub fn load(name: &str) -> Option<Image> {
     let path = folder()?.join(name).with_extension("fits");
     Some(image(&path, None).unwrap_or_else(|error| panic!("{error}")))
 }
+
+/// The scene of that name, for a command that cannot do without.
+pub fn needed(name: &str) -> Image {
+    load(name).expect("../shared/scenes, which holds the scenes")
+}

@@ -148,7 +148,7 @@ table![
         .help("Scheme that moves the front."),
     real("nu", "SFNU", |c| Some(Real(&mut c.nu)))
         .at(Step::Front, &[BY_RESCALING, BENT])
-        .range(Range::within(0.0, 1.0))
+        .ranges_by(|c| [Range { least: End::At(0.0), most: End::About(c.greatest_nu()) }; 2])
         .help("Weight of the curvature."),
     choice("curvature-form", "SFCURV", CURVATURE_FORMS, curvature_form, set_curvature_form)
         .at(Step::Front, &[BY_RESCALING, BENT])
@@ -196,7 +196,8 @@ table![
     real("t-max", "SFTMAX", |c| Some(Real(&mut c.t_max)))
         .at(Step::Front, &[BY_RESCALING])
         .ranges_by(|c| [Range::above(0.0, End::At(c.dt * MAX_STEPS as f32)); 2])
-        .help("The front is given up at this time; 1600 for chan-vese."),
+        .help("The front is given up at this time. Not given, it is at least 5/3 of the image's shorter side \
+             times dx, so that the front can cross it; 1600 for chan-vese."),
     choice("band", "SFBAND", &[word("none", "")], band, set_band)
         .numbers(Numbers::One(0.0))
         .at(Step::Front, &[BY_RESCALING, NEAR_FRONT])

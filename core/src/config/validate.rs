@@ -81,6 +81,22 @@ impl Config {
         Ok(())
     }
 
+    /// The bound on `nu`. A step of SL with curvature takes `nu v` off a value, and the least value
+    /// on the ball, `dt / dx` pixels away at most, holds no more of the old v than that interpolant
+    /// does: `1 - dt/dx` along an axis, `(1 - dt/(dx sqrt 2))^2` along a diagonal. Up to there no
+    /// value falls below all others. At the paper's `dt = dx` nothing of v is left; but as a step
+    /// then adds at most `nu` of their range to it, it is at most e times as wide after a run with
+    /// `nu` up to one over its steps.
+    pub(super) fn greatest_nu(&self) -> f32 {
+        if self.scheme != Scheme::SlCurvature {
+            return 1.0;
+        }
+        let reach = self.dt / self.dx;
+        let (axis, diagonal) = (1.0 - reach, 1.0 - reach * core::f32::consts::FRAC_1_SQRT_2);
+        let centre = axis.min(diagonal * diagonal);
+        centre.max(1.0 / self.max_steps().max(1) as f32).min(1.0)
+    }
+
     /// The bound on `dt` (CFL): 1/2 of a pixel a step for FD, 2/5 for the filtered FD, 1 for SL; the look along the contour,
     /// `sqrt(2 dt)`, within five pixels. None for Chan and Vese, whose step is implicit in the centre.
     ///

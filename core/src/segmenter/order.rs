@@ -2,13 +2,13 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::Arithmetic;
-use crate::budget;
 use crate::catalog::Source;
-use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
+use crate::config::{Normalize, Rescale, Scheme, Tau};
 use crate::error::Error;
 use crate::noise::Estimate;
 use crate::normalize::Range;
 use crate::outcome::StopReason;
+use crate::plan::Plan;
 use crate::region::{Moments, Regions};
 use crate::rescale;
 use crate::scheme::Evolve;
@@ -60,14 +60,15 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::StartLevel => state.tau = counts.otsu(),
             Stage::March if state.marching => {
                 // A march that was left alone ends before its bound.
-                let in_time = state.pass < budget::passes(&self.config, Stage::March);
+                let in_time = state.pass < Plan::of(&self.config).passes(Stage::March);
                 return if in_time { Ok(()) } else { Err(corrupted("the lists of the march")) };
             }
             Stage::March => {
                 // The time of the last arrival, in steps; some arrivals are known before their time.
                 let steps = (state.march.latest() * self.config.dx / self.config.dt) as u32;
                 let most = self.config.max_steps();
-                state.reason = if steps > most { StopReason::TimeLimit } else { StopReason::Rest };
+                let late = state.march.is_cut() || steps > most;
+                state.reason = if late { StopReason::TimeLimit } else { StopReason::Rest };
                 state.steps = steps.min(most);
             }
             Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),
@@ -128,40 +129,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         Ok(())
     }
 
-    /// The stage after `stage`, without those that this configuration and image do not need.
+    /// The next stage; no median is wanted where all pixels are defined.
     fn stage_after(&self, stage: Stage) -> Stage {
-        let mut next = stage.following(self.config.order);
-        // No more than seven optional stages can follow each other.
-        for _ in 0..7 {
-            if self.needed(next) {
-                break;
-            }
-            next = next.following(self.config.order);
-        }
-        next
-    }
-
-    fn needed(&self, stage: Stage) -> bool {
-        let starts_near = matches!(self.config.start, Start::Threshold { .. });
-        let marches = self.config.scheme == Scheme::FastMarching;
-        match stage {
-            Stage::LowPercentile | Stage::HighPercentile => {
-                matches!(self.config.normalize, Normalize::Percentile { .. })
-            }
-            Stage::Sky => matches!(self.config.normalize, Normalize::Noise { .. }),
-            Stage::Median => (self.state.extremes.defined as usize) < self.width.saturating_mul(self.height),
-            Stage::Threshold => {
-                matches!(self.config.rescale, Rescale::R3 { tau, .. } if !matches!(tau, Tau::Value(_)))
-            }
-            Stage::Rescale => self.config.rescale != Rescale::None,
-            Stage::StartLevel => starts_near && !matches!(self.config.rescale, Rescale::R3 { .. }),
-            Stage::StartMark | Stage::StartUp | Stage::StartDown => starts_near,
-            // Regions are told apart by the image itself.
-            Stage::Edge => self.config.scheme != Scheme::ChanVese,
-            Stage::Evolve => !marches,
-            Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => marches,
-            Stage::Filter => self.config.filter != Filter::None && self.config.filter_steps > 0,
-            _ => true,
-        }
+        let complete = self.state.extremes.defined as usize >= self.width.saturating_mul(self.height);
+        Plan::of(&self.config).after(stage, |next| next == Stage::Median && complete)
     }
 }

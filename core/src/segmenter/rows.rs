@@ -10,6 +10,7 @@ use crate::frame::Frame;
 use crate::label::{Damaged, Table, labelled_pieces};
 use crate::march::March;
 use crate::normalize;
+use crate::plan::reads_frame;
 use crate::rescale::Rescaler;
 use crate::scheme::{Evolve, Step};
 use crate::stage::Stage;
@@ -25,7 +26,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         let samples = self.memory.samples.get_mut(..width).unwrap_or(&mut []);
         let image = row_of_mut(self.memory.image, width, y);
         let counts = &mut *self.memory.counts;
-        if state.stage.reads_frame() {
+        if reads_frame(state.stage) {
             frame.row(y, samples).map_err(Error::Frame)?;
         }
         match state.stage {
@@ -131,6 +132,10 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         let (before, rest) = self.memory.front.split_at_mut_checked(start).unwrap_or((&mut [], &mut []));
         let row = row_of_mut(rest, width, 0);
         let before = row_of(before, width, y.wrapping_sub(1));
+        // The columns that no front can have reached.
+        let far = |margin: &usize| (*margin..self.height.saturating_sub(*margin)).contains(&y);
+        let unreached =
+            self.config.beyond_reach().filter(far).map_or(0..0, |margin| margin..width.saturating_sub(margin));
         // The table passes take as many labels a row as a row has pixels.
         let first_label = u32::try_from(start).unwrap_or(u32::MAX).saturating_add(1);
         let last_label = first_label.saturating_add(width as u32).saturating_sub(1).min(state.labels);
@@ -139,8 +144,12 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 let samples = self.memory.samples.get(..width).unwrap_or(&[]);
                 let connectivity = self.config.connectivity;
                 let in_mask = |(cell, pixel): (&A::Cell, &f32)| A::level(*cell) > A::Real::ZERO && pixel.is_finite();
-                let mask = row.iter().zip(samples).map(in_mask).filter(|&inside| inside).count();
-                state.mask_pixels = state.mask_pixels.saturating_add(mask as u32);
+                let count = |columns: core::ops::Range<usize>| {
+                    let cells = row.get(columns.clone()).unwrap_or(&[]).iter();
+                    cells.zip(samples.get(columns).unwrap_or(&[])).filter(|&pixel| in_mask(pixel)).count() as u32
+                };
+                state.mask_pixels = state.mask_pixels.saturating_add(count(0..width));
+                state.unreached = state.unreached.saturating_add(count(unreached));
                 let unlabelled = table
                     .provisional_row::<A>(row, before, samples, connectivity, &mut state.labels)
                     .map_err(LABELS)?;
@@ -151,7 +160,10 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     table.resolve(label).map_err(LABELS)?;
                 }
             }
-            Stage::Count => table.count_row(row).map_err(LABELS)?,
+            Stage::Count => {
+                table.count_row(row).map_err(LABELS)?;
+                table.drop_row(row.get(unreached).unwrap_or(&[]));
+            }
             Stage::Number => {
                 for label in first_label..=last_label {
                     table.number(label, self.config.min_area, &mut state.numbered).map_err(LABELS)?;

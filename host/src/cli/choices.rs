@@ -16,7 +16,7 @@ pub enum Preset {
     NoiseAware,
     /// Test 1 of the paper at its best: r3 with beta 8, heat filter, g2mod with c2 = 0.8.
     PaperF160,
-    /// Test 2 of the paper at its best: Perona-Malik first, then r1, g2mod with c2 = 0.78.
+    /// Test 2 of the paper at its best: r1, then Perona-Malik, g2mod with c2 = 0.78.
     PaperReal,
     /// Active contours without edges (Chan and Vese), in units of the frame's noise.
     ChanVese,

@@ -6,7 +6,6 @@ use crate::catalogue::{Setting, columns};
 use crate::sky::Frame;
 use clap::Args;
 use skyfront_core::flags::FLAGS;
-use std::io::Write;
 
 #[derive(Debug, Args)]
 pub struct Arguments {

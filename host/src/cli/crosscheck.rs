@@ -96,7 +96,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 bail!(Usage(what));
             }
             let image = read::image(path, arguments.hdu.as_ref())?;
-            let configs = configs(&arguments.options)?;
+            let configs: Vec<Config> = configs(&arguments.options)?
+                .into_iter()
+                .map(|config| match arguments.options.given.get("t-max") {
+                    Some(_) => config,
+                    None => config.with_time_for(image.width, image.height),
+                })
+                .collect();
             if let Some(folder) = &arguments.vectors {
                 export(folder, &configs, &image, arguments.overwrite)?;
             }

@@ -52,6 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arithmetic: ArithmeticOption::F32,
         pictures: true,
         overwrite: arguments.overwrite || all_own(&arguments.out),
+        own_time: false,
         threads: 1,
         request: Request::default(),
     };

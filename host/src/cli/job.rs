@@ -24,6 +24,8 @@ pub struct Manner {
     pub arithmetic: ArithmeticOption,
     /// Pictures too.
     pub pictures: bool,
+    /// `t_max` is the user's own, whatever the frame.
+    pub own_time: bool,
     /// Files that exist are replaced.
     pub overwrite: bool,
     /// Threads for the evolution.
@@ -73,6 +75,8 @@ pub fn process(
     manner: &Manner,
     watch: &mut dyn FnMut(&Progress),
 ) -> Result<Done> {
+    let (width, height) = (input.detected.image.width, input.detected.image.height);
+    let config = &if manner.own_time { *config } else { config.with_time_for(width, height) };
     let mut drive = Drive {
         background: input.detected.background.as_deref(),
         noise: input.detected.noise.as_deref(),

@@ -80,7 +80,8 @@ impl Arguments {
         let mut request = self.measuring.request(threads);
         request.map_only |= self.beside.is_given();
         let arithmetic = self.options.arithmetic;
-        Manner { arithmetic, pictures: !self.no_pictures, overwrite: self.overwrite, threads, request }
+        let own_time = self.options.given.get("t-max").is_some();
+        Manner { arithmetic, pictures: !self.no_pictures, own_time, overwrite: self.overwrite, threads, request }
     }
 
     /// The memory that all runs may take.

@@ -14,6 +14,8 @@ pub(super) struct Rounding {
     pub value: f64,
     /// The length of a gradient, in image units per two pixels: a share of it, and a part that is always there.
     pub gradient: (f64, f64),
+    /// Half a difference of two front values, of which the direction of a normal is taken, in the front's unit.
+    pub direction: f64,
     /// The share of the least gradient that the direction of the front is taken of.
     pub flat: f64,
     /// Half a step of the grid that a banded front is rounded to, in pixels.
@@ -35,12 +37,19 @@ impl Rounding {
     pub fn of<A: Arithmetic>(band: Option<f64>) -> Rounding {
         let change = 0.5 / f64::from(A::CHANGE_UNITS);
         match A::NAME {
-            "q24" => {
-                Rounding { value: bit(24), gradient: (0.0, bit(23)), flat: bit(12), grid: 0.0, start: bit(23), change }
-            }
+            "q24" => Rounding {
+                value: bit(24),
+                gradient: (0.0, bit(23)),
+                direction: bit(24),
+                flat: bit(12),
+                grid: 0.0,
+                start: bit(23),
+                change,
+            },
             "q11" => Rounding {
                 value: bit(24),
                 gradient: (0.0, bit(15)),
+                direction: 0.0,
                 flat: bit(8),
                 grid: 0.0,
                 start: bit(12) + bit(23),
@@ -49,6 +58,7 @@ impl Rounding {
             _ => Rounding {
                 value: 0.0,
                 gradient: (bit(22), 0.0),
+                direction: 0.0,
                 flat: bit(16),
                 // An anchor is 768 times 2^14 steps.
                 grid: band.map_or(0.0, |band| f64::from(A::anchor(band as f32).to_f32()) / 768.0 * bit(15)),

@@ -53,13 +53,22 @@ pub fn saturated(u0: &Plane, band: f64) -> Plane {
 
 /// The band of a front: one pixel on each side for the regions of Chan and Vese.
 fn band_of(p: &Parameters) -> Option<f64> {
-    if p.scheme == Scheme::ChanVese { Some(1.0) } else { p.band }
+    match p.scheme {
+        Scheme::ChanVese => Some(1.0),
+        // Times are in pixels, with a band or without.
+        Scheme::FastMarching => p.band.or(Some(f64::INFINITY)),
+        _ => p.band,
+    }
 }
 
-/// The paper's u0, in the band of the parameters.
+/// The paper's u0; in a band (ours) the distance to its rectangle in pixels, along the nearer axis, from 1.5 pixels
+/// outside to the band.
 pub fn framed(p: &Parameters, width: usize, height: usize) -> Plane {
-    let u0 = initial(width, height, p.dx);
-    band_of(p).map_or(u0.clone(), |band| saturated(&u0, band))
+    let Some(band) = band_of(p) else { return initial(width, height, p.dx) };
+    let depth = |at: isize, n: usize| (n as f64 - 1.0) / 2.0 - (at as f64 - (n as f64 - 1.0) / 2.0).abs() - 1.5;
+    let distance = Plane::from_fn(width, height, |i, j| depth(i, width).min(depth(j, height)));
+    let floor = if p.scheme == Scheme::ChanVese { 1.0 } else { 1.5 };
+    distance.map(|d| d.clamp(-floor, band) / half_side(&distance))
 }
 
 /// u0 `margin` pixels outside the nodes above `level`, in the band of the parameters.

@@ -49,7 +49,7 @@ pub use parameters::{
 };
 pub use plane::{Around, Plane};
 pub use rescale::{r1, r2, r3, rescale, threshold};
-pub use segments::{centroids, label};
+pub use segments::{centroids, label, sources};
 pub use settle::settle;
 pub use threshold::{kapur, noise, rosin};
 
@@ -147,7 +147,7 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
     };
     let Evolution { u, steps, t, ended, changes } = evolve(p, &g, &u0);
     let mask: Vec<bool> = u.values().iter().zip(&defined).map(|(&v, &seen)| seen && v > 0.0).collect();
-    let (labels, sources) = label(&mask, width, p.connectivity, p.min_area);
+    let (labels, sources) = sources(p, &mask, width);
     Ok(Stages {
         range,
         defined,

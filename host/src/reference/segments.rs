@@ -1,6 +1,6 @@
 //! Step 6: connected components of {u > 0}.
 
-use super::Connectivity;
+use super::{Connectivity, Parameters, Scheme};
 
 /// Labels 1, 2, ... of the components of `mask` (rows of `width`) in raster order of their first pixel, and their
 /// number. Components of fewer than `min_area` pixels are background; the others are numbered without a gap.
@@ -21,6 +21,34 @@ pub fn label(mask: &[bool], width: usize, connectivity: Connectivity, min_area: 
         }
     }
     (labels, count)
+}
+
+/// Sources: the components of the mask but those with a node that no front can have reached by T_max (ours). The front
+/// starts two pixels inside the border, its speed is 1 at most, and two pixels are the width of its profile.
+pub fn sources(p: &Parameters, mask: &[bool], width: usize) -> (Vec<u32>, u32) {
+    let (labels, count) = label(mask, width, p.connectivity, p.min_area);
+    if p.start_margin.is_some() || p.scheme == Scheme::ChanVese {
+        return (labels, count);
+    }
+    let height = mask.len() / width;
+    let depth = |at: usize, n: usize| at.min(n - 1 - at) as f64 - 1.5;
+    let far = |pixel: usize| depth(pixel % width, width).min(depth(pixel / width, height)) > p.t_max / p.dx + 2.0;
+    let mut kept = vec![true; count as usize + 1];
+    (0..mask.len()).filter(|&pixel| far(pixel)).for_each(|pixel| kept[labels[pixel] as usize] = false);
+    kept[0] = false;
+    let mut numbered = 0;
+    let numbers: Vec<u32> = kept
+        .iter()
+        .map(|&kept| {
+            if kept {
+                numbered += 1;
+                numbered
+            } else {
+                0
+            }
+        })
+        .collect();
+    (labels.iter().map(|&label| numbers[label as usize]).collect(), numbered)
 }
 
 /// All pixels connected to `first`; they become `seen`.

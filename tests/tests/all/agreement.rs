@@ -6,7 +6,7 @@
 use skyfront_core::config::Scheme;
 use skyfront_core::simulate::Kind;
 use skyfront_tests::agreement::Agreement;
-use skyfront_tests::captions::{RESCALINGS, paper};
+use skyfront_tests::captions::{CAPTIONS, RESCALINGS, paper};
 use skyfront_tests::runs::sky;
 
 const SIDE: usize = 150;
@@ -55,4 +55,15 @@ fn stars_by_finite_differences() {
 #[test]
 fn stars_semi_lagrangian() {
     assert_agrees(Kind::Stars, Scheme::Sl);
+}
+
+/// The captions of the paper's Test 1: the number of steps and the mask are those of the reference.
+#[test]
+fn the_captions_of_the_paper() {
+    let pixels = sky(Kind::Bright, 160, SIDE, SIDE);
+    for caption in &CAPTIONS {
+        let core = Agreement::of(&caption.config(), &pixels, SIDE).core;
+        let f32 = core[0].as_ref().expect("f32 serves every scheme");
+        assert!(f32.steps.0.abs_diff(f32.steps.1) <= 2 && f32.mask_pixels <= 2, "{caption:?}: {f32:?}");
+    }
 }

@@ -83,6 +83,35 @@ fn explicit_curvature_at_its_bound_still_grows_a_disc() {
     }
 }
 
+/// The bound on nu of the semi-Lagrangian scheme: over a rugged front and a rugged speed no value falls below all others
+/// at the bound; beyond it is refused, and so is what the bound was once, 1 with the paper's step.
+#[test]
+fn semi_lagrangian_curvature_at_its_bound_makes_no_new_least_value() {
+    let mut state = 7u32;
+    let mut uniform = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / 16_777_216.0
+    };
+    for (dt, bound) in [(0.01f32, 0.863_58f32), (0.05, 0.417_89), (0.08, 0.188_63), (0.09, 0.1)] {
+        let config = Config { scheme: Scheme::SlCurvature, dt, nu: bound, degenerate: 1.0, ..PAPER };
+        assert_eq!(config.validate::<F32>(), Ok(()), "dt = {dt}");
+        let beyond = Config { nu: bound * 1.001, ..config };
+        assert!(matches!(beyond.validate::<F32>(), Err(Error::Parameter { name: "nu", .. })), "dt = {dt}");
+        let mut rugged = Front::new(config, 41, 41, |_, _| 0.0);
+        rugged.values.iter_mut().for_each(|v| *v = uniform() as f32);
+        rugged.speed.iter_mut().for_each(|g| *g = if uniform() < 0.5 { 1.0 } else { uniform() as f32 });
+        let least = |front: &Front| front.values.iter().copied().fold(f32::MAX, f32::min);
+        let before = least(&rugged);
+        rugged.until(200.0 * f64::from(dt));
+        assert!(least(&rugged) >= before - 1e-6, "dt = {dt}: {} from {before}", least(&rugged));
+    }
+    // At the paper's step the range grows by a factor of e at most in a run.
+    let paper = PAPER.with_scheme(Scheme::SlCurvature);
+    for (nu, good) in [(1e-4, true), (2e-3, true), (2.1e-3, false), (0.05, false), (1.0, false)] {
+        assert_eq!(Config { nu, ..paper }.validate::<F32>().is_ok(), good, "nu = {nu}");
+    }
+}
+
 /// Number of components of {u < 0} or {u > 0}.
 fn components(front: &Front, negative: bool) -> u32 {
     let mask: Vec<bool> = front.values.iter().map(|&u| if negative { u < 0.0 } else { u > 0.0 }).collect();

@@ -61,6 +61,10 @@ fn known_answers() {
     star_field[22..250].fill(1);
     let tau = Histogram(star_field).threshold(Tau::Rosin);
     assert_eq!(tau, 23.0 / 256.0);
+    // Otsu: every split between two peaks is as good as the next; the lowest edge counts.
+    let mut peaks = [0; BINS];
+    (peaks[10], peaks[90]) = (700, 300);
+    assert_eq!(Histogram(peaks).threshold(Tau::Otsu), 11.0 / 256.0);
     let one = Histogram(std::array::from_fn(|bin| if bin == 5 { 3 } else { 0 }));
     assert_eq!([Tau::Otsu, Tau::Kapur, Tau::Rosin].map(|rule| one.threshold(rule)), [0.0; 3]);
 }

@@ -10,6 +10,7 @@ use skyfront_core::error::Error;
 use skyfront_core::frame::Frame;
 use skyfront_core::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::outcome::{Outcome, StopReason};
+use skyfront_core::plan::{Plane, leaves};
 use skyfront_core::scheme::AnyScheme;
 use skyfront_core::stage::Stage;
 
@@ -57,7 +58,7 @@ pub fn one<A: Arithmetic, F: Frame>(
             return;
         }
         if let Some(name) = name_of_plane(stage) {
-            tell(name, digest::of_cells(if stage < Stage::Front { run.image() } else { run.front() }));
+            tell(name, digest::of_cells(if leaves(stage) == Some(Plane::Image) { run.image() } else { run.front() }));
         }
         if stage == Stage::Measure {
             tell("catalog", catalog_digest(run.catalog()));

@@ -1,0 +1,42 @@
+//! The golden digests on this machine: every stage of every run, bit by bit. Those of the flight processors are compared
+//! by `cargo run --release -p skyfront-on-target -- digests`, and stored by its `host --store`.
+
+use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
+use skyfront_workload::bits::{self, Planes};
+use skyfront_workload::sources::Room;
+use std::collections::BTreeMap;
+
+type Digests = BTreeMap<String, String>;
+
+fn add(digests: &mut Digests, name: &str, crc: u32) {
+    let before = digests.insert(name.to_owned(), format!("{crc:08x}"));
+    assert_eq!(before, None, "{name} twice");
+}
+
+fn fronts<A: Arithmetic>(digests: &mut Digests) {
+    bits::all(&mut Box::new(Planes::<A>::ZERO), |name, crc| add(digests, &name.join("/"), crc));
+}
+
+fn sources<L: Level>(digests: &mut Digests) {
+    Box::new(Room::<L>::BLANK).all(|name, crc| add(digests, &name.join("/"), crc));
+}
+
+#[test]
+fn every_digest_is_the_golden_one() {
+    let golden = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/golden.txt")).expect("tests/golden.txt");
+    let golden = golden.lines().map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
+        ["digest", name, crc] => (name.to_owned(), crc.to_owned()),
+        _ => panic!("no digest: {line}"),
+    });
+    let golden: Digests = golden.collect();
+    let mut here = Digests::new();
+    add(&mut here, "powf", bits::powers());
+    fronts::<F32>(&mut here);
+    fronts::<Q24>(&mut here);
+    fronts::<Q11>(&mut here);
+    sources::<f32>(&mut here);
+    sources::<Fixed14>(&mut here);
+    let differ = |name: &&String| here.get(*name) != golden.get(*name);
+    let names: Vec<_> = here.keys().chain(golden.keys()).filter(differ).collect();
+    assert!(names.is_empty(), "{} digests are others, missing or new: {names:?}", names.len());
+}

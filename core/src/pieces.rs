@@ -17,8 +17,8 @@ fn label_at(labels: &[u32], at: usize) -> u32 {
 }
 
 /// Leaves of every source the largest of its pieces (connected also by corners; the first of equals)
-/// and gives the others to the source that they share most edges with; what shares none with any is
-/// given up. `queue` is as long as the plane; `area` and `peak` of the regions become pixels and first
+/// and gives the others to the source that they touch most, pixel by pixel; what touches none is given
+/// up. `queue` is as long as the plane; `area` and `peak` of the regions become pixels and first
 /// pixel of the largest piece. Cost: four looks at each pixel and its neighbours.
 pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regions: &mut [Region<L>]) {
     for region in regions.iter_mut() {
@@ -79,10 +79,10 @@ fn relabel(grid: Grid, first: usize, to: u32, labels: &mut [u32], queue: &mut [u
     known
 }
 
-/// The settled source that shares most edges with a piece, of equals the one that is met first; 0 for none.
-/// `area` of the regions counts the edges, from 0 and back to it.
+/// The settled source that a piece touches most, of equals the one that is met first; 0 for none.
+/// `area` of the regions counts the pairs of pixels, from 0 and back to it.
 fn owner<L: Level>(grid: Grid, piece: &[u32], labels: &[u32], regions: &mut [Region<L>]) -> u32 {
-    let across = |at: &u32| grid.neighbours(*at as usize).take(4).map(|near| label_at(labels, near));
+    let across = |at: &u32| grid.neighbours(*at as usize).map(|near| label_at(labels, near));
     let index = |label: u32| (label as usize).wrapping_sub(1);
     for label in piece.iter().flat_map(across) {
         if let Some(region) = regions.get_mut(index(label)) {
@@ -104,5 +104,56 @@ fn owner<L: Level>(grid: Grid, piece: &[u32], labels: &[u32], regions: &mut [Reg
 fn set(labels: &mut [u32], at: usize, label: u32) {
     if let Some(cell) = labels.get_mut(at) {
         *cell = label;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 8;
+
+    /// A picture of labels, one digit per pixel, connected, as a picture.
+    fn connected<const CELLS: usize>(picture: [&str; CELLS]) -> [[u8; WIDTH]; CELLS] {
+        let mut labels = [0; 64];
+        let mut regions = [Region::<f32>::BLANK; 9];
+        let digits = picture.iter().flat_map(|row| row.bytes()).map(|digit| u32::from(digit - b'0'));
+        labels.iter_mut().zip(digits).for_each(|(label, digit)| *label = digit);
+        let grid = Grid::of(CELLS * WIDTH, WIDTH).expect("there are columns");
+        connect(grid, &mut labels[..CELLS * WIDTH], &mut [0; 64], &mut regions);
+        core::array::from_fn(|y| core::array::from_fn(|x| b'0' + labels[y * WIDTH + x] as u8))
+    }
+
+    #[track_caller]
+    fn becomes<const CELLS: usize>(from: [&str; CELLS], to: [&str; CELLS]) {
+        let found = connected(from);
+        let found = found.each_ref().map(|row| core::str::from_utf8(row).expect("digits"));
+        assert_eq!(found, to);
+    }
+
+    #[test]
+    fn the_largest_piece_stays_and_the_rest_goes_to_what_it_lies_on() {
+        becomes(["11222001", "11222000", "11122110", "11122330"], ["11222000", "11222000", "11122330", "11122330"]);
+    }
+
+    #[test]
+    fn corners_connect() {
+        let picture = ["10000000", "01020000", "00100000"];
+        becomes(picture, picture);
+    }
+
+    #[test]
+    fn of_two_equal_pieces_the_first_stays() {
+        becomes(["11022011", "11022011"], ["11022000", "11022000"]);
+        becomes(["11222211", "11222211"], ["11222222", "11222222"]);
+    }
+
+    #[test]
+    fn a_piece_within_a_piece_goes_where_that_goes() {
+        // The 1 on the right touches only the loose 2, which touches only the 3.
+        becomes(
+            ["11110000", "22220000", "22222000", "33333333", "33332223", "33332123", "33332223", "33333333"],
+            ["11110000", "22220000", "22222000", "33333333", "33333333", "33333333", "33333333", "33333333"],
+        );
     }
 }

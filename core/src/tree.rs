@@ -56,10 +56,11 @@ impl<L: Level> Region<L> {
         }
     }
 
-    /// Whether the source that the region became was divided from another one; `labels` are the final ones.
-    pub fn is_blended(&self, labels: &[u32]) -> bool {
-        let other = (self.divided as usize).checked_sub(1).and_then(|at| labels.get(at));
-        self.label != 0 && other.is_some_and(|&other| other != 0 && other != self.label)
+    /// The label of another source that the region was divided from, where both became sources: then
+    /// both are blended. `labels` are the final ones.
+    pub fn divided_from(&self, labels: &[u32]) -> Option<u32> {
+        let other = (self.divided as usize).checked_sub(1).and_then(|at| labels.get(at).copied());
+        other.filter(|&other| self.label != 0 && other != 0 && other != self.label)
     }
 
     /// A region of one pixel.
@@ -256,4 +257,19 @@ pub fn grow<L: Level>(
         }
     }
     (count, left_out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_region_is_divided_from_what_became_a_source() {
+        let region = Region::<f32> { label: 2, divided: 4, ..Region::BLANK };
+        assert_eq!(region.divided_from(&[2, 2, 0, 1]), Some(1));
+        assert_eq!(region.divided_from(&[2, 2, 1, 0]), None, "the other was dropped");
+        assert_eq!(region.divided_from(&[1, 0, 0, 2]), None, "it took the other's place");
+        assert_eq!(Region { divided: 0, ..region }.divided_from(&[1; 4]), None);
+        assert_eq!(Region { label: 0, ..region }.divided_from(&[1; 4]), None);
+    }
 }

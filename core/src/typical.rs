@@ -94,3 +94,71 @@ fn quartile(values: impl Iterator<Item = f32>) -> f32 {
     sort::few(sorted, |a, b| a < b);
     sorted.get(count / 4).copied().unwrap_or(0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::Fixed14;
+    use crate::grid::Grid;
+
+    extern crate std;
+    use std::vec;
+    use std::vec::Vec;
+
+    const WIDTH: usize = 256;
+
+    /// So many bright sources of 200 or more, each with a fifth of that three pixels to the right, the first
+    /// two with a companion as bright below.
+    fn sources<L: Level>(count: usize) -> (Vec<L>, Vec<Region<L>>) {
+        let mut plane = vec![L::ZERO; WIDTH * WIDTH];
+        let mut regions = Vec::new();
+        for index in 0..count {
+            let (at, peak) = ((30 + 50 * (index / 5)) * WIDTH + 30 + 45 * (index % 5), 200.0 + index as f32);
+            plane[at] = L::of(peak);
+            plane[at + 3] = L::of(0.2 * peak);
+            if index < 2 {
+                plane[at + 5 * WIDTH] = L::of(peak);
+            }
+            let centre = (L::whole(at % WIDTH), L::whole(at / WIDTH));
+            regions.push(Region { peak: at as u32, value: plane[at], area: 9, centre, ..Region::BLANK });
+        }
+        (plane, regions)
+    }
+
+    /// The typical light, to the right, to the left and below, of a source with a peak of 1000.
+    fn light<L: Level>(count: usize) -> [f32; 3] {
+        let (plane, regions) = sources::<L>(count);
+        let field = Field { values: &plane, grid: Grid::of(plane.len(), WIDTH).expect("there are columns") };
+        let [mut cells, mut spare] = [(); 2].map(|()| vec![0; plane.len()]);
+        let typical = Typical::of(field, L::ONE, &regions, (&mut cells, &mut spare));
+        let centre = (L::of(100.0), L::of(100.0));
+        let places = [(103.0, 100.0), (97.0, 100.0), (100.0, 105.0)];
+        places.map(|(x, y)| typical.light(L::of(1000.0), centre, (L::of(x), L::of(y))).to_f32())
+    }
+
+    #[test]
+    fn what_all_sources_have_is_typical_and_companions_are_not() {
+        for [right, left, below] in [light::<f32>(LEAST), light::<Fixed14>(LEAST)] {
+            assert!((right - 1000.0 * 0.2 * MARGIN).abs() < 0.1, "{right}");
+            assert_eq!([left, below], [0.0; 2]);
+        }
+    }
+
+    #[test]
+    fn a_few_sources_have_no_typical_one() {
+        assert_eq!(light::<f32>(LEAST - 1), [0.0; 3]);
+    }
+
+    #[test]
+    fn far_away_and_on_small_frames_there_is_none() {
+        let (plane, regions) = sources::<f32>(LEAST);
+        let field = Field { values: &plane, grid: Grid::of(plane.len(), WIDTH).expect("there are columns") };
+        let (mut cells, mut spare) = (vec![0; plane.len()], vec![0; plane.len()]);
+        let typical = Typical::of(field, 1.0, &regions, (&mut cells, &mut spare));
+        let right = |off: f32| typical.light(1000.0, (100.0, 100.0), (100.0 + off, 100.0));
+        assert!(right(0.0) > 1000.0 && right(2.6) > 0.0 && right(3.4) > 0.0);
+        assert_eq!([right(2.4), right(3.6), right(24.6), right(-24.6)], [0.0; 4]);
+        let typical = Typical::of(field, 1.0, &regions, (&mut cells[..SIDE * SIDE - 1], &mut spare));
+        assert_eq!(typical.light(1000.0, (100.0, 100.0), (103.0, 100.0)), 0.0);
+    }
+}

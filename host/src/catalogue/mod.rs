@@ -162,6 +162,9 @@ impl Catalogue {
         for (row, &blended) in rows.iter_mut().zip(run.blended.iter().flatten()) {
             row.flags = row.flags & !flags::BLENDED | if blended { flags::BLENDED } else { 0 };
         }
+        for (row, _) in rows.iter_mut().zip(&run.plateaus).filter(|(_, plateau)| **plateau) {
+            row.flags |= flags::PLATEAU;
+        }
         if input.positions.is_none() {
             rows.iter_mut().for_each(|row| row.source.label = input.name_of(row.source.label));
         }

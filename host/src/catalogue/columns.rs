@@ -370,8 +370,8 @@ mod tests {
         assert!(galactic.contains(&"glat".to_owned()) && !galactic.contains(&"elon".to_owned()));
         let apertures = Setting { apertures: vec![3.0, 5.0], ..Setting::default() };
         assert_eq!(
-            names(&apertures, &["FLAGS", "X_IMAGE", "flux_aper(2)", "x", "FLUX_APER"]),
-            ["flags_sex", "x", "flux_aper_1", "flux_aper_2"]
+            names(&apertures, &["FLAGS", "X_IMAGE", "flux_aper(2)", "x", "flags", "FLUX_APER"]),
+            ["flags_sex", "x", "flux_aper_1", "flux_aper_2", "flags"]
         );
         assert_eq!(names(&apertures, &["all"]).len(), columns(&apertures).len());
         assert!(Choice::new(&["fluxx".to_owned()]).is_err_and(|reason| reason.contains("fluxx")));

@@ -123,12 +123,13 @@ pub fn known(name: &str) -> Option<&'static Known> {
     KNOWN.iter().find(|known| known.name == pattern)
 }
 
-/// The columns that a person may mean by a word: one of our names, or one of SExtractor's, whatever
-/// the size of its letters and the number of its elements.
+/// The columns that a person may mean by a word: the one of ours with exactly this name, else those
+/// that SExtractor calls so, whatever the size of the letters and the number of elements.
 pub fn meant(word: &str) -> impl Fn(&str) -> bool {
+    let ours = known(word).is_some();
     let word = word.split('(').next().unwrap_or_default().to_owned();
     move |name| {
         let theirs = |known: &Known| known.sextractor.iter().any(|theirs| theirs.eq_ignore_ascii_case(&word));
-        name.eq_ignore_ascii_case(&word) || known(name).is_some_and(theirs)
+        if ours { name == word } else { known(name).is_some_and(theirs) }
     }
 }

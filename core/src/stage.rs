@@ -1,7 +1,8 @@
 //! The stages that a run can have; which of them it has, and in which order, tells [`crate::plan`].
 
-/// What is done in a step; each is one pass over the rows, or several.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What is done in a step; each is one pass over the rows, or several. As keys they are sorted as declared, which is no
+/// order of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Extremes of the pixels (one pass).
     Extremes,

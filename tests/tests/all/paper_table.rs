@@ -7,7 +7,7 @@ use skyfront::crosscheck::parameters;
 use skyfront::pipeline::{Drive, Segmentation, segment};
 use skyfront::read::Image;
 use skyfront::reference::{Stages, run};
-use skyfront_core::config::{Config, Scheme};
+use skyfront_core::config::{Config, Edge, Rescale, Scheme, Tau};
 use skyfront_tests::captions::{CAPTIONS, RESCALINGS, paper};
 use skyfront_tests::scenes;
 
@@ -97,6 +97,31 @@ fn more_directions_do_not_change_the_masks() {
             let (coarse, fine) = (core(&config, &image), core(&Config { directions: 64, ..config }, &image));
             let differ = coarse.labels.iter().zip(&fine.labels).filter(|(a, b)| (**a > 0) != (**b > 0)).count();
             assert_eq!(differ, 0, "f160_dev{index}: {caption:?}");
+        }
+    }
+}
+
+/// Given thresholds of r3: the mask is the reference's for each of the paper's schemes and edge detectors.
+#[test]
+#[ignore = "needs ../shared/scenes"]
+fn given_thresholds_give_the_masks_of_the_reference() {
+    for name in ["f160_dev0", "f160_dev1", "f160_dev2", "deep_dev0", "crowded_dev0"] {
+        let image = scenes::needed(name);
+        for tau in [0.05, 0.1, 0.2, 0.5] {
+            let rescale = Rescale::R3 { beta: 8, tau: Tau::Value(tau) };
+            for scheme in [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature] {
+                for edge in [Edge::G1 { p: 5000.0 }, Edge::G2Mod { c2: 0.8 }] {
+                    let config = Config { rescale, edge, ..Config::PAPER_F160 }.with_scheme(scheme);
+                    let (found, wanted) = (core(&config, &image), reference(&config, &image));
+                    let differ =
+                        found.labels.iter().zip(&wanted.labels).filter(|(a, b)| (**a > 0) != (**b > 0)).count();
+                    println!(
+                        "{name}, tau = {tau}, {scheme:?}, {edge:?}: {} pixels, {differ} differ",
+                        found.outcome.mask_pixels
+                    );
+                    assert_eq!(differ, 0, "{name}, tau = {tau}, {scheme:?}, {edge:?}");
+                }
+            }
         }
     }
 }

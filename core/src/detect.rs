@@ -208,7 +208,8 @@ fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Wor
     if work.mesh.len() < needed {
         return Err(Error::Length { name: "the mesh", given: work.mesh.len(), needed });
     }
-    let floats = [&work.signal, &work.fine, &work.smooth, &work.front, &work.masked, &work.scratch].map(|plane| plane.len());
+    let floats =
+        [&work.signal, &work.fine, &work.smooth, &work.front, &work.masked, &work.scratch].map(|plane| plane.len());
     let words = [&work.parents, &work.order, &work.labels].map(|plane| plane.len());
     let maps = [known.background, known.noise].into_iter().flatten().map(<[f32]>::len);
     match floats.into_iter().chain(words).chain(maps).find(|&given| given != count) {

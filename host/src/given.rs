@@ -54,6 +54,7 @@ pub fn segment(input: &Input, arithmetic: &'static str, keep_stages: bool) -> Se
         convergence: Vec::new(),
         sources,
         blended: None,
+        plateaus: Vec::new(),
         outcome: Outcome { mask_pixels, sources: count, catalogued: count, ..without_front(extremes) },
         sky: Some(sky),
         seconds: Vec::new(),

@@ -196,8 +196,10 @@ table![
     real("t-max", "SFTMAX", |c| Some(Real(&mut c.t_max)))
         .at(Step::Front, &[BY_RESCALING])
         .ranges_by(|c| [Range::above(0.0, End::At(c.dt * MAX_STEPS as f32)); 2])
-        .help("The front is given up at this time. Not given, it is at least 5/3 of the image's shorter side \
-             times dx, so that the front can cross it; 1600 for chan-vese."),
+        .help(
+            "The front is given up at this time. Not given, it is at least 5/3 of the image's shorter side \
+             times dx, so that the front can cross it; 1600 for chan-vese."
+        ),
     choice("band", "SFBAND", &[word("none", "")], band, set_band)
         .numbers(Numbers::One(0.0))
         .at(Step::Front, &[BY_RESCALING, NEAR_FRONT])

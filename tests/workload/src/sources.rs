@@ -50,7 +50,8 @@ impl<L: Level> Room<L> {
         let [signal, fine, smooth, front, masked, scratch] = &mut self.levels;
         let [parents, order, labels] = &mut self.words;
         let (mesh, regions) = (&mut self.mesh, &mut self.regions);
-        let mut work = Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions };
+        let mut work =
+            Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions };
         match detect(&self.pixels, WIDTH, &Known::default(), &Detection::DEFAULT, &mut work) {
             Ok(found) => tell("found", found_digest(&found)),
             Err(_) => tell("error", 0),

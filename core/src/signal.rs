@@ -134,7 +134,7 @@ pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Tail<L>
 }
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
-/// three pixels of them, and what has no signal.
+/// two pixels of them, and what has no signal.
 pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Workspace<'_, L>) {
     let grid = view.grid;
     let (source, perhaps) = (L::ONE, L::of(0.5));
@@ -161,7 +161,7 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut W
     }
     let [_, growth, ..] = SCALES;
     Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
-    let near = L::of(0.08);
+    let near = L::of(0.2);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > near { L::ONE } else { L::ZERO };
     }

@@ -70,7 +70,7 @@ pub fn clipped(sorted: &[u32], values: &Values) -> Sky {
 
 /// How many of sorted keys equal the first.
 fn runs_below(sorted: &[u32]) -> usize {
-    sorted.chunk_by(|a, b| a == b).next().map_or(0, <[u32]>::len)
+    sorted.iter().take_while(|&key| Some(key) == sorted.first()).count()
 }
 
 /// The noise to begin with: half of the values lie within 0.6745 standard deviations, and the lower

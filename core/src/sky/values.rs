@@ -130,7 +130,13 @@ struct Run {
 }
 
 fn runs(sorted: &[u32]) -> impl Iterator<Item = Run> {
-    sorted.chunk_by(|a, b| a == b).map(|run| Run { value: ranked(run, 0), count: run.len() })
+    let mut rest = sorted;
+    core::iter::from_fn(move || {
+        let first = *rest.first()?;
+        let count = rest.iter().take_while(|&&key| key == first).count();
+        rest = rest.get(count..).unwrap_or(&[]);
+        Some(Run { value: f32::of_key(first), count })
+    })
 }
 
 /// The more frequent of two values, the first where both are as frequent.
@@ -165,8 +171,8 @@ fn fill_value(sorted: &[u32]) -> Option<f32> {
 /// other. Noise that is coarse beside the steps gathers in few values too, but then in more than one.
 fn is_fill(sorted: &[u32], fill: Run) -> bool {
     let (total, rest) = (sorted.len(), sorted.len() - fill.count);
-    let (below, from) = sorted.split_at(sorted.partition_point(|&key| f32::of_key(key) < fill.value));
-    let above = from.get(fill.count..).unwrap_or(&[]);
+    let first = sorted.partition_point(|&key| f32::of_key(key) < fill.value);
+    let [below, above] = [0..first, first + fill.count..total].map(|side| sorted.get(side).unwrap_or(&[]));
     if fill.count * FILL_SHARE <= total || above.is_empty() {
         return false;
     }

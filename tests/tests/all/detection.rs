@@ -1,13 +1,12 @@
 //! The noise-aware default on noise alone, on spikes, stars, galaxies and odd frames.
 
+use skyfront::background::SkyMaps;
 use skyfront::detection::segment;
 use skyfront::pipeline::{Drive, Segmentation};
 use skyfront_core::arithmetic::Fixed14;
 use skyfront_core::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_core::simulate::Kind;
-use skyfront_core::sky::{Mesh, Sky, cell_pixels, mesh_cells};
-use skyfront_core::sort::Keys;
 use skyfront_tests::noise::{add_star, correlated, gaussian};
 use skyfront_tests::runs::{apart, sky};
 
@@ -54,14 +53,8 @@ fn sky_and_noise_of_pure_noise_are_unbiased() {
     let side = 512;
     for (seed, k) in [(7, 0.0), (8, 0.18), (9, 0.4)] {
         let pixels: Vec<f32> = correlated(seed, side, k).iter().map(|noise| 1000.0 + 5.0 * noise).collect();
-        let mut cells = vec![Sky::UNKNOWN; mesh_cells(side, side)];
-        let [mut keys, mut spare] = [(); 2].map(|()| vec![0; cell_pixels(side, side)]);
-        let mesh = Mesh::measure(&pixels, |_| true, (side, side), &mut cells, Keys(&mut keys, &mut spare));
-        let (mut level, mut noise) = (0.0, 0.0);
-        for at in 0..side * side {
-            let sky = mesh.at(at % side, at / side);
-            (level, noise) = (level + f64::from(sky.level), noise + f64::from(sky.noise));
-        }
+        let sky = SkyMaps::measure(&pixels, &[], side);
+        let [level, noise] = [&sky.level, &sky.noise].map(|map| map.iter().map(|&value| f64::from(value)).sum::<f64>());
         let count = (side * side) as f64;
         let (level, noise) = (level / count, noise / count);
         assert!((level - 1000.0).abs() < 0.1, "sky {level} where it is 1000, noise 5, k = {k}");
@@ -189,7 +182,7 @@ fn a_given_noise_map_says_which_pixels_are_noisier() {
     let pixels: Vec<f32> = correlated(14, side, 0.0).iter().enumerate().map(|(at, noise)| noise * scale(at)).collect();
     let map: Vec<f32> = (0..side * side).map(|at| 0.01 * scale(at)).collect();
     let sky = vec![0.0; side * side];
-    let drive = Drive { background: Some(&sky), noise: Some(&map), ..Drive::default() };
+    let drive = Drive { background: Some(&sky), noise: Some(&map), relative: true, ..Drive::default() };
     let mut with_stars = pixels.clone();
     add_star(&mut with_stars, side, (60.0, 128.0), 1.5, 12.0);
     let found = segment::<f32>(&Detection::DEFAULT, &with_stars, side, &drive).expect("the frame can be segmented");
@@ -206,12 +199,12 @@ fn small_and_constant_frames_are_taken() {
         let pixels = gaussian(15, width * height);
         match segment::<f32>(&Detection::DEFAULT, &pixels, width, &Drive::default()) {
             Ok(found) => assert_eq!(found.labels.len(), width * height),
-            Err(Error::Constant { .. }) => assert!(width * height < 8, "{width} x {height} has noise"),
+            Err(Error::NoSky { .. }) => assert!(width * height < 16, "{width} x {height} has a sky"),
             Err(other) => panic!("{width} x {height}: {other}"),
         }
     }
     let flat = segment::<f32>(&Detection::DEFAULT, &[7.0; 64 * 64], 64, &Drive::default()).err();
-    assert_eq!(flat, Some(Error::Constant { value: 7.0 }));
+    assert_eq!(flat, Some(Error::NoNoise { value: 7.0, equal: 4096, defined: 4096 }));
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod cli;
 mod convergence;
 mod crosscheck;
 mod detection;
+mod detectors;
 mod facts;
 mod facts_image;
 mod faults;

@@ -63,8 +63,9 @@ where
     }
 }
 
-/// Bytes that must be free for another thread: its stack, and what all still need.
-const SPARE: u64 = 16_000_000;
+/// Bytes that must be free for another thread: its stack and what all still need, beside the 64 MB that the heap may
+/// keep back and give no stack.
+const SPARE: u64 = 96_000_000;
 
 /// The system gave threads for so many bands only, and nothing has moved.
 struct TooFew(usize);

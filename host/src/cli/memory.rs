@@ -55,17 +55,34 @@ pub fn need_of_sources(run: &Segmentation) -> u64 {
     run.sources.len() as u64 * ROW + around * PIXEL
 }
 
+/// A number of bytes that must not be exceeded.
+#[derive(Clone, Copy, Debug)]
+struct Limit {
+    bytes: u64,
+    /// Who sets it, as the beginning of a sentence.
+    set_by: &'static str,
+}
+
+/// The limit of the control group that a container is; the system kills what exceeds it.
+fn of_the_container() -> Option<Limit> {
+    const FILES: [&str; 2] = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
+    let text = FILES.iter().find_map(|file| std::fs::read_to_string(file).ok())?;
+    // Without a limit it says "max", or nearly 2^63.
+    text.trim().parse().ok().map(|bytes| Limit { bytes, set_by: "the container has" })
+}
+
 /// What all runs may take together, and what those under way take.
 pub struct Memory {
-    limit: Option<u64>,
+    limit: Option<Limit>,
     taken: Mutex<u64>,
     given_back: Condvar,
 }
 
 impl Memory {
-    /// At most `limit` bytes, or what the system gives.
-    pub fn new(limit: Option<u64>) -> Self {
-        Memory { limit, taken: Mutex::new(0), given_back: Condvar::new() }
+    /// At most `wanted` bytes, or what container and system give.
+    pub fn new(wanted: Option<u64>) -> Self {
+        let wanted = wanted.map(|bytes| Limit { bytes, set_by: "--max-memory allows" });
+        Memory { limit: wanted.or_else(of_the_container), taken: Mutex::new(0), given_back: Condvar::new() }
     }
 
     /// Takes `need` bytes for an image of `size`, as soon as the runs under way leave them.
@@ -86,12 +103,12 @@ impl Memory {
     }
 
     fn gives(&self, bytes: u64) -> bool {
-        self.limit.is_none_or(|limit| bytes <= limit) && can_be_had(bytes)
+        self.limit.is_none_or(|limit| bytes <= limit.bytes) && can_be_had(bytes)
     }
 
     fn refusal(&self, need: u64, (width, height): Size) -> String {
         let limit = match self.limit {
-            Some(limit) if limit < need => format!("--max-memory allows {} MB", limit / MEGA),
+            Some(limit) if limit.bytes < need => format!("{} {} MB", limit.set_by, limit.bytes / MEGA),
             _ => format!("the system gives {} MB", most_that_can_be_had(need) / MEGA),
         };
         let need = need.div_ceil(MEGA);
@@ -176,7 +193,7 @@ mod tests {
 
     #[test]
     fn more_than_any_machine_has_is_refused_with_what_it_has() {
-        let memory = Memory::new(None);
+        let memory = Memory { limit: None, ..Memory::new(None) };
         let line = memory.take(1 << 60, (1, 1)).err().unwrap_or_default();
         assert!(line.contains("need 1152921504607 MB") && line.contains("the system gives "), "{line}");
     }

@@ -1,7 +1,7 @@
 //! `skyfront segment`: images in; segmentation maps, catalogues and pictures out.
 
 use super::choices::ArithmeticOption;
-use super::job::{Done, Manner, plan, process};
+use super::job::{Done, Manner, guarded, plan, process};
 use super::memory::{Memory, Share, amount, need};
 use super::messages::{Volume, about_input, progress_bar, report, show};
 use super::say::{Stderr, Stdout};
@@ -47,7 +47,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value = "1")]
     pub jobs: NonZeroUsize,
     /// Bytes that all images worked on at a time may take, with k, M or G for 10^3, 10^6 or 10^9: an image that
-    /// needs more is refused, others wait for each other [default: what the system gives].
+    /// needs more is refused, others wait for each other [default: what container and system give].
     #[arg(long, value_name = "BYTES", value_parser = amount)]
     max_memory: Option<u64>,
     /// Print the summary on stdout, as JSON; for several images one line each.
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             let (input, _share) = arguments.read(path, &config, &memory)?;
             let manner = arguments.manner();
             let products = plan(&arguments.out, &manner, &[])?;
-            let done = segment_image(&config, &input, products, &manner, arguments.volume())?;
+            let done = guarded(|| segment_image(&config, &input, products, &manner, arguments.volume()))?;
             if arguments.json {
                 writeln!(Stdout, "{:#}", done.summary)?;
             }

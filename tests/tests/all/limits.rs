@@ -90,6 +90,35 @@ fn no_limit_of_memory_ends_a_run_by_a_signal() {
 }
 
 #[test]
+fn a_run_takes_no_more_than_it_asked_for() {
+    let folder = Folder::new("asked");
+    let image = folder.file("sky.fits");
+    sky(&image, 900);
+    let maps = ["--background", &image, "--weight", "6", "--weight-type", "rms"];
+    for options in [
+        &[][..],
+        &["--no-pictures"],
+        &["--arithmetic", "q24", "--sky-maps"],
+        &maps,
+        &["--preset", "paper-f160"],
+        &["--preset", "paper-f160", "--no-pictures", "--threads", "4"],
+        &["--preset", "chan-vese", "--regions", "--polygons"],
+    ] {
+        let out = folder.file("out");
+        let line = ["segment", &image, "--quiet", "--overwrite", "--out", &out];
+        let refused = skyfront(line.iter().chain(options).chain(&["--max-memory", "1M"]));
+        let text = messages(&refused);
+        let asked = text.split_once(" need ").and_then(|(_, rest)| rest.split_once(" MB"));
+        let asked: u64 = asked.and_then(|(number, _)| number.parse().ok()).unwrap_or_else(|| panic!("{text}"));
+        let command = &mut Command::new(program());
+        let (run, kilobytes) = crate::habits::watched_command(command.args(line).args(options));
+        assert!(run.status.success(), "{options:?}: {}", messages(&run));
+        println!("{options:?}: {kilobytes} kB, asked for {asked} MB");
+        assert!(kilobytes < 1000 * asked, "{options:?}: {kilobytes} kB, asked for {asked} MB");
+    }
+}
+
+#[test]
 fn more_pixels_than_can_be_labelled_are_told_by_the_header() {
     let folder = Folder::new("labels");
     let path = folder.file("vast.fits");

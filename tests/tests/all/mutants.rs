@@ -75,7 +75,8 @@ fn no_mutant_crashes_hangs_or_takes_more_memory_than_told() {
             })
             .collect();
         let started = Instant::now();
-        let preset: &[&str] = if first / BATCH % 2 == 0 { &[] } else { &["--preset", "paper-f160", "--t-max", "0.5"] };
+        let preset: &[&str] =
+            if (first / BATCH).is_multiple_of(2) { &[] } else { &["--preset", "paper-f160", "--t-max", "0.5"] };
         let out = folder.file("out");
         let options = ["segment", "--quiet", "--no-pictures", "--json", "--max-memory", &limit];
         // A hang is ended by the system, after two minutes of the processor.

@@ -216,25 +216,11 @@ impl Recipe {
         }
         if let Some(piece) = table.piece("GZIP_COMPRESSED_DATA", number)? {
             let bytes = gunzip(piece.bytes, count).map_err(corrupt)?;
-            return raw(&bytes, count, self.bitpix < 0, self.sizes(self.bitpix < 0)).map_err(corrupt);
+            return raw(&bytes, count, self.bitpix < 0).map_err(corrupt);
         }
         match table.piece("UNCOMPRESSED_DATA", number)? {
-            Some(piece) => {
-                raw(piece.bytes, count, matches!(piece.element, b'E' | b'D'), &[1, 2, 4, 8]).map_err(corrupt)
-            }
+            Some(piece) => raw(piece.bytes, count, matches!(piece.element, b'E' | b'D')).map_err(corrupt),
             None => Err(corrupt("holds no data")),
-        }
-    }
-
-    /// The bytes that a value can have before compression.
-    fn sizes(&self, floats: bool) -> &'static [usize] {
-        match self.bitpix {
-            _ if floats => &[4, 8],
-            8 => &[1],
-            16 => &[2],
-            32 => &[4],
-            64 => &[8],
-            _ => &[1, 2, 4],
         }
     }
 
@@ -249,9 +235,9 @@ impl Recipe {
                 if *shuffled {
                     bytes = unshuffle(&bytes, count);
                 }
-                return raw(&bytes, count, floats, self.sizes(floats));
+                return raw(&bytes, count, floats);
             }
-            Coding::None => return raw(piece.bytes, count, floats, self.sizes(floats)),
+            Coding::None => return raw(piece.bytes, count, floats),
             Coding::Rice { bytes, block } => {
                 rice::decode(piece.bytes, *bytes, *block, &mut integers).map_err(|Exhausted| SHORT)?;
             }
@@ -304,12 +290,12 @@ fn unshuffle(bytes: &[u8], count: usize) -> Vec<u8> {
     (0..shuffled.len()).map(|n| shuffled[n % size * count + n / size]).chain(rest.iter().copied()).collect()
 }
 
-/// Big-endian values of one of these sizes, which follows from their number.
-fn raw(bytes: &[u8], count: usize, floats: bool, sizes: &[usize]) -> Result<Values, &'static str> {
+/// Big-endian values, whose size follows from their number.
+fn raw(bytes: &[u8], count: usize, floats: bool) -> Result<Values, &'static str> {
     fn all<const N: usize, T>(bytes: &[u8], value: impl Fn([u8; N]) -> T) -> Vec<T> {
         bytes.as_chunks::<N>().0.iter().map(|chunk| value(*chunk)).collect()
     }
-    let exact = sizes.iter().any(|size| bytes.len() == count * size);
+    let exact = bytes.len() == count * (bytes.len() / count);
     match (bytes.len() / count, floats) {
         (4, true) if exact => Ok(Values::Reals(all(bytes, |b| f32::from_be_bytes(b).into()))),
         (8, true) if exact => Ok(Values::Reals(all(bytes, f64::from_be_bytes))),

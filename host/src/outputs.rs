@@ -6,6 +6,7 @@ use crate::outline;
 use crate::picture;
 use crate::pipeline::{Segmentation, Values};
 use crate::provenance;
+use crate::read::Image;
 use crate::read::header::unit;
 use crate::report;
 use crate::sky::Sky;
@@ -73,8 +74,7 @@ pub fn write(
             0 => 0.0,
             label => means.get(label as usize - 1).copied().unwrap_or(f32::NAN),
         };
-        let unit = unit(&image.header).unwrap_or_default();
-        write_plane(products, VALUES[0], (width, height), &with_unit(&header, &unit, ""), |first, row| {
+        write_plane(products, VALUES[0], (width, height), &in_unit_of(image, &header), |first, row| {
             copy(row, &run.labels[first..], mean);
         })?;
     }
@@ -84,9 +84,7 @@ pub fn write(
     }
     if let (true, Some(sky)) = (request.sky, &run.sky) {
         for (name, map) in SKY.iter().zip([&sky.level, &sky.noise]) {
-            let unit = unit(&image.header).unwrap_or_default();
-            let header = with_unit(&header, &unit, "");
-            write_plane(products, name, (width, height), &header, |first, row: &mut [f32]| {
+            write_plane(products, name, (width, height), &in_unit_of(image, &header), |first, row: &mut [f32]| {
                 copy(row, &map[first..], |value| value);
             })?;
         }
@@ -175,7 +173,7 @@ pub fn write_front(
     let image = &input.detected.image;
     let size = (image.width, image.height);
     if !request.map_only {
-        write_plane(products, VALUES[1], size, header, front)?;
+        write_plane(products, VALUES[1], size, &with_unit(header, "", "the final front u"), front)?;
     }
     if request.arrival {
         // The marched front is the time left at t_max, in pixels of free motion; above 0 it never came.
@@ -203,6 +201,11 @@ pub fn header(config: &Config, input: &Input, arithmetic: &str) -> Vec<Entry> {
     entries.extend(Sky::of(image).err().map(|reason| Entry::new("SFWCS", reason, "why coordinates are not used")));
     entries.extend(provenance(config, input, arithmetic));
     entries
+}
+
+/// A header with the unit of an image's pixels, where that is known.
+fn in_unit_of(image: &Image, header: &[Entry]) -> Vec<Entry> {
+    unit(&image.header).map_or_else(|| header.to_vec(), |unit| with_unit(header, &unit, ""))
 }
 
 /// A header with the unit of the values, empty for none, and what they are.

@@ -11,7 +11,7 @@ const USUAL: &str = "default";
 /// All that there is.
 const ALL: &str = "all";
 
-/// Columns by their names, in order; those of [`USUAL`] where none is named.
+/// Columns by their names, in order; the usual ones where none is named.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice(Vec<String>);
 

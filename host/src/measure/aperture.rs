@@ -185,3 +185,38 @@ impl Sum {
         if self.area > 0.0 { scene.flux(self.value, self.variance) } else { Flux::NONE }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// The pixels that are visited, and the sum of their shares.
+    fn visited(aperture: &Aperture, side: usize) -> (usize, f64) {
+        let (mut count, mut area) = (0, 0.0);
+        let complete = aperture.visit(side, side, |spot| {
+            count += 1;
+            area += aperture.share(spot.dx, spot.dy);
+        });
+        assert!(complete);
+        (count, area)
+    }
+
+    #[test]
+    fn the_pixels_that_are_visited_hold_the_whole_ellipse() {
+        for (a, b, theta) in [(20.0, 20.0, 0.0), (60.0, 3.0, 0.7), (40.0, 0.4, -1.1), (5.0, 30.0, 2.0), (0.3, 0.2, 0.5)]
+        {
+            for (x, y) in [(100.0, 100.0), (99.5, 100.5), (100.3, 99.9)] {
+                let (_, area) = visited(&Aperture::ellipse((x, y), (a, b), theta), 200);
+                assert!((area / (PI * a * b) - 1.0).abs() < 1e-12, "{a} {b} {theta}: {area}");
+            }
+        }
+    }
+
+    /// The bounding box of a slanting line is most of the image.
+    #[test]
+    fn a_thin_ellipse_visits_a_thin_strip() {
+        let (count, area) = visited(&Aperture::ellipse((1000.0, 1000.0), (1200.0, 3.0), 0.78), 2000);
+        assert!((count as f64) < 2.0 * area, "{count} pixels for {area}");
+    }
+}

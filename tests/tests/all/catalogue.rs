@@ -124,6 +124,22 @@ fn sources_are_where_they_are_on_the_sky() {
 }
 
 #[test]
+fn maps_have_units_that_readers_accept() {
+    let folder = Folder::new("units");
+    let (sky, out) = (folder.file("sky.fits"), folder.file("out"));
+    write_sky(&sky, &[]);
+    let output = skyfront(["segment", &sky, "--out", &out, "--no-pictures", "--sky-maps"]);
+    assert!(output.status.success(), "{}", messages(&output));
+    for (name, unit) in
+        [("segmentation", ""), ("segmented", "adu"), ("front", ""), ("background", "adu"), ("noise", "adu")]
+    {
+        let header = image(folder.path().join(format!("out/{name}.fits")).as_ref(), None).expect(name).header;
+        assert_eq!(header.text("BUNIT").as_deref(), Some(unit), "{name}");
+        assert_eq!(header.text("SFARITH").as_deref(), Some("f32"), "{name}");
+    }
+}
+
+#[test]
 fn regions_and_polygons_enclose_their_sources() {
     let (folder, _) = segmented("regions", &[]);
     for (name, frame) in [("regions.reg", "image"), ("regions_sky.reg", "icrs")] {

@@ -1,6 +1,8 @@
 //! Step 2: rescaling of intensities, so that faint objects stand out.
 //!
-//! All functions map [0, 1] onto itself, keep 0 and 1, and grow strictly (A1 to A3).
+//! All functions map [0, 1] onto itself, keep 0 and 1, and grow strictly (A1 to A3). Their numbers
+//! in an arithmetic keep 0 and 1 and never fall; where a function rises by less than a step of the
+//! cells, as `r3` far below tau, neighbouring levels become one.
 
 use crate::arithmetic::{Arithmetic, Exponent, Real};
 use crate::config::Rescale;
@@ -136,4 +138,36 @@ fn r3<A: Arithmetic>(x: A::Real, tau: A::Real, damp: Exponent, lift: Exponent) -
 #[inline(always)]
 fn damped<A: Arithmetic>(x: A::Real, tau: A::Real, damp: Exponent) -> A::Real {
     tau * A::pow(x.ratio(tau), damp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::{F32, Q11, Q24};
+    use crate::config::Tau;
+
+    /// Each level of q11's image, from 0 to 1, in order; how many levels are left.
+    fn levels<A: Arithmetic>(which: Rescale) -> usize {
+        let rescaler = Rescaler::<A>::new(which, A::Real::of(0.3)).expect("a rescaling");
+        let mut image = [A::Cell::default(); 32_769];
+        image.iter_mut().zip(0u16..).for_each(|(cell, k)| *cell = A::to_pixel(A::Real::of(f32::from(k) / 32_768.0)));
+        rescaler.row(&mut image);
+        let value = |cell: &A::Cell| A::pixel(*cell).to_f32();
+        assert_eq!(image.first().map(value), Some(0.0), "{}, {which:?}", A::NAME);
+        assert!(image.last().map(value).is_some_and(|one| (one - 1.0).abs() < 1e-6), "{}, {which:?}", A::NAME);
+        let falls = image.windows(2).filter(|pair| value(&pair[1]) < value(&pair[0])).count();
+        assert_eq!(falls, 0, "{}, {which:?}", A::NAME);
+        1 + image.windows(2).filter(|pair| value(&pair[1]) > value(&pair[0])).count()
+    }
+
+    #[test]
+    fn numbers_never_fall_but_may_be_one() {
+        let r3 = Rescale::R3 { beta: 8, tau: Tau::Otsu };
+        for which in [Rescale::R1 { alpha: 0.25 }, Rescale::R2 { alpha: 0.25 }, Rescale::R1 { alpha: 0.7 }, r3] {
+            let [narrow, fixed, float] = [levels::<Q11>(which), levels::<Q24>(which), levels::<F32>(which)];
+            assert!(narrow < 32_769 && narrow <= fixed && narrow <= float, "{which:?}: {narrow}, {fixed}, {float}");
+        }
+        // x^8 leaves nothing of the faintest levels even in q24.
+        assert!(levels::<Q24>(r3) < 32_769);
+    }
 }

@@ -116,6 +116,8 @@ pub struct Catalogue {
     pub sky: Option<Sky>,
     /// Why the header's coordinates could not be used.
     pub refused: Option<String>,
+    /// Given places that the coordinates do not lead to.
+    pub lost: usize,
     /// How the sources were measured, as header entries.
     pub entries: Vec<Entry>,
 }
@@ -168,13 +170,15 @@ impl Catalogue {
         if input.positions.is_none() {
             rows.iter_mut().for_each(|row| row.source.label = input.name_of(row.source.label));
         }
-        Catalogue { columns, rows, entries: entries(&scene, &extras), sky, refused }
+        let lost = rows.iter().filter(|row| row.shape.x.is_nan()).count();
+        Catalogue { columns, rows, lost, entries: entries(&scene, &extras), sky, refused }
     }
 
     /// What a user should know before trusting the columns.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         let text = |reason| format!("the header's coordinates are not supported ({reason}): ra, dec and pa are empty");
-        self.refused.iter().map(text)
+        let lost = (self.lost > 0).then(|| format!("{} places are not where the coordinates lead", self.lost));
+        self.refused.iter().map(text).chain(lost)
     }
 
     /// How the sources were measured, by FITS keyword, as JSON.

@@ -306,6 +306,7 @@ fn places_of_a_table_are_measured_without_detection() {
             "--no-pictures",
         ]);
         assert!(output.status.success(), "{}", messages(&output));
+        assert_eq!(messages(&output).contains("1 places are not"), table.contains("-80"), "{}", messages(&output));
         lines(&folder, "catalog.csv")
     };
     let csv = run("id,x,y\n5,16,21\n6,41,41\n7,-90,1\n");
@@ -315,7 +316,8 @@ fn places_of_a_table_are_measured_without_detection() {
     assert!((light(&csv, 1) / light(&csv, 2) - 1.0).abs() < 0.02 && (8e4..1.0e5).contains(&light(&csv, 1)), "{csv:?}");
     assert_eq!((cell(&csv, 1, "label"), cell(&csv, 3, "flux_aper_1")), ("5", ""));
     let (ra, dec) = (cell(&csv, 2, "ra"), cell(&csv, 2, "dec"));
-    let again = run(&format!("ra,dec\n{ra},{dec}\n"));
+    let again = run(&format!("ra,dec\n{ra},{dec}\n250,-80\n"));
+    assert_eq!((again.len(), cell(&again, 2, "flux_aper_1")), (3, ""));
     assert!((light(&again, 1) / light(&csv, 2) - 1.0).abs() < 1e-4, "{again:?}");
     assert!((cell(&again, 1, "x").parse::<f64>().expect("a place") - 41.0).abs() < 1e-4);
 }

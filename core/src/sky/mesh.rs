@@ -330,7 +330,7 @@ mod tests {
         let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
         let seen = |x: usize, y: usize| match source(x, y) {
             // A tenth of the cell is left, all of it wings.
-            true if x % 10 > 0 => Seen::Source,
+            true if !x.is_multiple_of(10) => Seen::Source,
             _ => Seen::Sky,
         };
         assert_eq!(measure(&mut mesh, &pixels, seen), Survey { cells: 25, measured: 24 });

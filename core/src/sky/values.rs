@@ -201,7 +201,7 @@ impl Pairs {
         let mut pairs = Pairs { all: 0, followed: 0 };
         for at in (0..pixels.len()).filter(|&at| holds(at)) {
             pairs.all += 1;
-            pairs.followed += usize::from((at + 1) % width.max(1) != 0 && holds(at + 1));
+            pairs.followed += usize::from(!(at + 1).is_multiple_of(width.max(1)) && holds(at + 1));
         }
         pairs
     }

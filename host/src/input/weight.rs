@@ -63,6 +63,7 @@ mod tests {
         for (kind, value) in [(WeightType::Rms, 2.0), (WeightType::Variance, 4.0)] {
             let noise = kind.noise(&map(value), &image);
             assert_eq!(noise[0], 2.0);
+            assert!(!kind.is_relative(), "{kind:?} is what it says");
             assert!(noise[1..].iter().all(|sigma| sigma.is_nan()), "{kind:?} {noise:?}");
         }
     }

@@ -270,7 +270,7 @@ fn separate<L: Level>(
             reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
         (count, left_out) = (now, left_out + more);
     }
-    compete(field, work.labels, work.regions, 4);
+    compete(field, work.labels, work.regions, 2);
     straighten(work.labels, work.order, grid, 2);
     connect(grid, work.labels, work.order, work.regions);
     left_out

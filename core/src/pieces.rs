@@ -1,14 +1,16 @@
 //! Every label one connected piece.
 //!
 //! Pixels change their owner one by one where sources compete, and may leave a part of a source cut off
-//! from the rest. The largest piece of a source stays; the others go to the sources that they lie on.
+//! from the rest. The piece with its peak stays, or a much larger one; the others go to the sources that they lie on.
 
 use crate::arithmetic::Level;
 use crate::grid::Grid;
 use crate::tree::Region;
 
-/// A pixel of a piece that is not, or not yet, the largest of its source.
+/// A pixel of a piece that is not, or not yet, the one that stays.
 const LOOSE: u32 = 1 << 31;
+/// The piece with the peak stays, unless another is this many times as large.
+const PEAK: u32 = 4;
 /// How often loose pieces ask their neighbours: one may lie within others.
 const ROUNDS: u32 = 4;
 
@@ -16,20 +18,26 @@ fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
 }
 
-/// Leaves of every source the largest of its pieces (connected also by corners; the first of equals)
-/// and gives the others to the source that they touch most, pixel by pixel; what touches none is given
-/// up. `queue` is as long as the plane; `area` and `peak` of the regions become pixels and first
-/// pixel of the largest piece. Cost: four looks at each pixel and its neighbours.
+/// Leaves of every source one piece, connected also by corners: that with its peak, if the source still
+/// has it, unless another is [`PEAK`] times as large; else the largest, the first of equals. Gives the
+/// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` is
+/// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: four looks at each
+/// pixel and its neighbours.
 pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regions: &mut [Region<L>]) {
-    for region in regions.iter_mut() {
+    for (label, region) in (1..).zip(regions.iter_mut()) {
+        let peak = region.peak as usize;
         region.area = 0;
+        if label_at(labels, peak) == label {
+            let area = relabel(grid, peak, label | LOOSE, labels, queue) as u32;
+            region.area = area.saturating_mul(PEAK);
+        }
     }
     for first in 0..labels.len() {
         let label = label_at(labels, first);
         if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)) {
-            let area = relabel(grid, first, label | LOOSE, labels, queue);
-            if area > region.area as usize {
-                (region.area, region.peak) = (area as u32, first as u32);
+            let area = relabel(grid, first, label | LOOSE, labels, queue) as u32;
+            if area > region.area {
+                (region.area, region.peak) = (area, first as u32);
             }
         }
     }
@@ -113,10 +121,11 @@ mod tests {
 
     const WIDTH: usize = 8;
 
-    /// A picture of labels, one digit per pixel, connected, as a picture.
-    fn connected<const CELLS: usize>(picture: [&str; CELLS]) -> [[u8; WIDTH]; CELLS] {
+    /// A picture of labels, one digit per pixel, connected, as a picture; with the peak of source 1.
+    fn connected<const CELLS: usize>(picture: [&str; CELLS], peak: u32) -> [[u8; WIDTH]; CELLS] {
         let mut labels = [0; 64];
-        let mut regions = [Region::<f32>::BLANK; 9];
+        let mut regions = [Region::<f32> { peak: 63, ..Region::BLANK }; 9];
+        regions[0].peak = peak;
         let digits = picture.iter().flat_map(|row| row.bytes()).map(|digit| u32::from(digit - b'0'));
         labels.iter_mut().zip(digits).for_each(|(label, digit)| *label = digit);
         let grid = Grid::of(CELLS * WIDTH, WIDTH).expect("there are columns");
@@ -125,27 +134,36 @@ mod tests {
     }
 
     #[track_caller]
-    fn becomes<const CELLS: usize>(from: [&str; CELLS], to: [&str; CELLS]) {
-        let found = connected(from);
+    fn becomes<const CELLS: usize>(from: [&str; CELLS], peak: u32, to: [&str; CELLS]) {
+        let found = connected(from, peak);
         let found = found.each_ref().map(|row| core::str::from_utf8(row).expect("digits"));
         assert_eq!(found, to);
     }
 
     #[test]
     fn the_largest_piece_stays_and_the_rest_goes_to_what_it_lies_on() {
-        becomes(["11222001", "11222000", "11122110", "11122330"], ["11222000", "11222000", "11122330", "11122330"]);
+        let picture = ["11222001", "11222000", "11122110", "11122330"];
+        becomes(picture, 63, ["11222000", "11222000", "11122330", "11122330"]);
+    }
+
+    #[test]
+    fn the_piece_with_the_peak_stays_unless_another_is_much_larger() {
+        let picture = ["11222001", "11222011", "11122110", "11122330"];
+        becomes(picture, 22, ["22222001", "22222011", "22222110", "22222330"]);
+        let picture = ["11222000", "11222000", "11122010", "11122010"];
+        becomes(picture, 22, ["11222000", "11222000", "11122000", "11122000"]);
     }
 
     #[test]
     fn corners_connect() {
         let picture = ["10000000", "01020000", "00100000"];
-        becomes(picture, picture);
+        becomes(picture, 63, picture);
     }
 
     #[test]
     fn of_two_equal_pieces_the_first_stays() {
-        becomes(["11022011", "11022011"], ["11022000", "11022000"]);
-        becomes(["11222211", "11222211"], ["11222222", "11222222"]);
+        becomes(["11022011", "11022011"], 63, ["11022000", "11022000"]);
+        becomes(["11222211", "11222211"], 63, ["11222222", "11222222"]);
     }
 
     #[test]
@@ -153,6 +171,7 @@ mod tests {
         // The 1 on the right touches only the loose 2, which touches only the 3.
         becomes(
             ["11110000", "22220000", "22222000", "33333333", "33332223", "33332123", "33332223", "33333333"],
+            63,
             ["11110000", "22220000", "22222000", "33333333", "33333333", "33333333", "33333333", "33333333"],
         );
     }

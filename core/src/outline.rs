@@ -184,7 +184,7 @@ mod tests {
     }
 
     fn moved<L: Level>(front: &Front<L>, signal: &[L], mut plane: Vec<L>) -> Vec<L> {
-        front.outline(signal, &mut plane, &mut vec![L::ZERO; 2 * SIDE], grid());
+        front.outline(signal, &mut plane, &mut [L::ZERO; 2 * SIDE], grid());
         plane
     }
 
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn curvature_takes_single_pixels_and_straightens_borders() {
-        let comb = |x: f32, y: f32| if x < 20.0 || x < 21.0 && y as u32 % 3 == 0 { 1.4 } else { 0.6 };
+        let comb = |x: f32, y: f32| if x < 20.0 || x < 21.0 && (y as u32).is_multiple_of(3) { 1.4 } else { 0.6 };
         let speck = |x: f32, y: f32| if x == 40.0 && y == 40.0 { 1.4 } else { comb(x, y) };
         let signal = vec![1.0; SIDE * SIDE];
         let u = moved(&front::<f32>(0.6, 20), &signal, plane(speck));

@@ -763,6 +763,21 @@ mod tests {
     }
 
     #[test]
+    fn a_number_is_the_value_of_one_parameter_alone() {
+        for parameter in PARAMETERS.iter().filter(|parameter| matches!(parameter.access, Access::Field(_))) {
+            let (config, value) = at_work(parameter);
+            let other = match value.numbers {
+                Numbers::Whole(number) => Numbers::Whole(number + 1),
+                Numbers::One(number) => Numbers::One(number + 0.125),
+                numbers => numbers,
+            };
+            let changed = with(parameter, config, Value::of(other));
+            let differ = PARAMETERS.iter().filter(|one| one.get(&changed) != one.get(&config));
+            assert!(differ.map(|one| one.name).eq([parameter.name]), "{}", parameter.name);
+        }
+    }
+
+    #[test]
     fn numbers_out_of_bounds_name_the_parameter_whatever_the_number() {
         let refused = |parameter: &Parameter, config: Config, numbers: Numbers, word: Option<&'static str>| {
             let mut config = config;

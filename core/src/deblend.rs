@@ -5,6 +5,7 @@ use crate::arithmetic::{Level, Real};
 use crate::detection::{Detection, grown};
 use crate::grid::Grid;
 use crate::tree::{Field, Region, opposite};
+use crate::typical::Typical;
 
 /// A pixel under examination.
 const OPEN: u32 = 1 << 31;
@@ -59,13 +60,14 @@ fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>
     (foreign <= light.scaled(L::Weight::of(FOREIGN))).then_some(light)
 }
 
-/// Opens the pixels that their host's mirrored light does not explain, and makes each connected
+/// Opens the pixels that neither their host's mirrored light nor that of the frame's typical source
+/// explains, but none of a source that ends in a plateau, and makes each connected
 /// group of them a region that is large enough, also when a second source's light is taken away:
 /// where two large galaxies meet there is the light of both. `noise` is that of a pixel without
 /// light, `photon` how it grows; `queue` is as long as the plane. Gives the new number of
 /// regions, and how many found no room in the table.
 pub fn reopen<L: Level>(
-    field: Field<'_, L>,
+    (field, typical): (Field<'_, L>, Typical<'_>),
     (noise, photon): (L, f32),
     labels: &mut [u32],
     queue: &mut [u32],
@@ -78,10 +80,9 @@ pub fn reopen<L: Level>(
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(photon, field.at(at));
     for at in 0..labels.len() {
         let label = label_at(labels, at);
-        if label == 0 {
-            continue;
-        }
-        if let Some(host) = field.mirrored(centre_of(regions, label), at)
+        let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
+        if let Some(mirrored) = field.mirrored(region.centre, at)
+            && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
             && field.at(at) > host.scaled(new)
             && significant(at, host)
             && let Some(cell) = labels.get_mut(at)
@@ -98,7 +99,7 @@ pub fn reopen<L: Level>(
         let (known, beside) = gather(field.grid, first, (labels, queue), |label| light_of(regions, label));
         let group = queue.get(..known).unwrap_or(&[]);
         let unexplained = {
-            let explained = explained(field, labels, regions, [host, beside]);
+            let explained = explained((field, typical), labels, regions, [host, beside]);
             group.iter().filter(|&&at| significant(at as usize, explained(at as usize))).count()
         };
         if (unexplained as u32) < setting.reopened_area {
@@ -156,7 +157,7 @@ fn gather<S: PartialOrd>(
 /// The light that a host and a second source have at a pixel: the source beside it or, with none
 /// there (0), the brightest that was divided from the host, where the mirror shows that and no other.
 fn explained<L: Level>(
-    field: Field<'_, L>,
+    (field, typical): (Field<'_, L>, Typical<'_>),
     labels: &[u32],
     regions: &[Region<L>],
     [host, beside]: [u32; 2],
@@ -165,8 +166,10 @@ fn explained<L: Level>(
     let divided = label_at(labels, divided.wrapping_sub(1)) & !OPEN;
     let other = if beside != 0 { beside } else { divided };
     let [centre, there] = [host, other].map(|label| centre_of(regions, label));
+    let peak = region_of(regions, host).map_or(L::ZERO, |host| host.value);
     move |at| {
         let mirrored = field.mirrored(centre, at).unwrap_or(L::ZERO);
+        let mirrored = mirrored.greatest(typical.light(peak, centre, field.place(at)));
         let shown = || field.nearest(field.across(there, at)).map_or(0, |at| label_at(labels, at) & !OPEN);
         if other == 0 || other == host || (beside == 0 && shown() != other) {
             return mirrored;

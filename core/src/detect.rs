@@ -11,17 +11,20 @@
 //! photon noise, the centres of wide regions.
 
 use crate::arithmetic::{Fixed14, Level, Real};
+use crate::centre::centre_on_light;
 use crate::deblend::{compete, reopen, straighten};
 use crate::detection::Detection;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::photon;
+use crate::pieces::connect;
 use crate::significance::height;
 use crate::sky::{Mesh, Sky, mesh_cells};
 use crate::smooth::{Weights, noise};
 use crate::sort::{self, Keys, median};
 use crate::spike::cleaned;
 use crate::tree::{Field, NONE, Region, grow, root};
+use crate::typical::Typical;
 
 /// The caller's memory: eight planes of 32 bits, the mesh and the table of regions.
 #[derive(Debug)]
@@ -116,8 +119,6 @@ const LEPSKI: f32 = 1.7;
 /// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
 /// for without them the sky would be biased low.
 const MASKED_PEAK: f32 = 3.5;
-/// A source is wide when so many of its pixels are above half its peak: a disc of eight pixels.
-const WIDE: u32 = 50;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
 const CUTS: u32 = 4;
 
@@ -317,45 +318,19 @@ fn separate<L: Level>(
         }
     }
     work.labels.iter_mut().zip(work.order.iter()).for_each(|(label, id)| *label = *id);
-    centre_on_light(field, work.labels, work.regions);
+    let light = Field { values: work.smooth, grid };
+    centre_on_light([field, light], work.labels, work.regions, (noise, photon));
+    let regions = work.regions.get(..count).unwrap_or(&[]);
+    let typical = Typical::of(field, noise, regions, (work.parents, work.order));
     for _ in 0..2 {
-        let (now, more) = reopen(field, (noise, photon), work.labels, work.order, work.regions, count, setting);
+        let (now, more) =
+            reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
         (count, left_out) = (now, left_out + more);
     }
-    compete(field, work.labels, work.regions, 4);
+    compete(field, work.labels, work.regions, 2);
     straighten(work.labels, work.order, grid, 2);
+    connect(grid, work.labels, work.order, work.regions);
     left_out
-}
-
-/// Centres wide regions on their pixels above half the peak: in a flat source the brightest pixel
-/// is where the noise puts it. In a narrow one it is not, and neighbours would draw the centre away.
-fn centre_on_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>]) {
-    let half = L::Weight::of(0.5);
-    let place = |at: usize| {
-        let (x, y) = field.grid.place(at);
-        (x as f32, y as f32)
-    };
-    let region = |label: u32| (label as usize).wrapping_sub(1);
-    for region in regions.iter_mut() {
-        (region.area, region.core) = (0, (0.0, 0.0, 0.0));
-    }
-    for (at, &label) in labels.iter().enumerate() {
-        let Some(region) = regions.get_mut(region(label)) else { continue };
-        if field.at(at) > region.value.scaled(half) {
-            let value = field.at(at).to_f32();
-            let ((x, y), (peak_x, peak_y)) = (place(at), place(region.peak as usize));
-            let (sum, sum_x, sum_y) = region.core;
-            region.area += 1;
-            region.core = (sum + value, sum_x + value * (x - peak_x), sum_y + value * (y - peak_y));
-        }
-    }
-    for region in regions.iter_mut() {
-        let (sum, sum_x, sum_y) = region.core;
-        if region.area > WIDE && sum > 0.0 {
-            let (x, y) = place(region.peak as usize);
-            region.centre = (L::of(x + sum_x / sum), L::of(y + sum_y / sum));
-        }
-    }
 }
 
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.

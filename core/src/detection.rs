@@ -37,6 +37,8 @@ pub struct Detection {
 /// The photon noise counts with this factor in the variance: the measured one is a lower bound.
 const PHOTON_MARGIN: f32 = 1.5;
 
+/// How far a peak must rise above the saddle, as a part of the saddle's light: the image of a point
+/// in real optics is that uneven, as the ring of a mirror out of focus and the rim of a saturated star.
 const DEPTH: f32 = 0.15;
 
 /// How much larger the noise is at the brightness `value` for the photon noise `photon` (see
@@ -98,7 +100,8 @@ impl Detection {
     }
 
     /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
-    /// pixels and light above the saddle for the noise there, and around its peak more than twice
+    /// pixels and light above the saddle for the noise there, a peak that rises above it by more than
+    /// the noise and the unevenness of optics, and around its peak more than twice
     /// the mirrored light of the brighter.
     pub fn stands_apart<L: Level>(
         &self,
@@ -112,7 +115,7 @@ impl Detection {
         let significant = faint.area >= 3
             && light > L::share(noise.times(1), self.branch)
             && light > L::share(bright.sum, self.contrast)
-            && faint.value - saddle > noise + saddle.scaled(L::Weight::of(DEPTH));
+            && faint.value - saddle > noise.greatest(saddle.scaled(L::Weight::of(DEPTH)));
         if !significant {
             return false;
         }

@@ -33,9 +33,11 @@ pub const APERTURE: u32 = 1 << 7;
 pub const NEIGHBOUR: u32 = 1 << 8;
 /// The header's coordinates are not supported.
 pub const NO_COORDINATES: u32 = 1 << 9;
+/// The source ends in a plateau.
+pub const PLATEAU: u32 = 1 << 10;
 
 /// All flags, in the order of their bits.
-pub const FLAGS: [Flag; 10] = [
+pub const FLAGS: [Flag; 11] = [
     flag(TRUNCATED, "truncated", "touches the edge of the image"),
     flag(SATURATED, "saturated", "holds a pixel at or above the saturation level"),
     flag(MASKED, "masked", "touches undefined or masked pixels"),
@@ -50,6 +52,7 @@ pub const FLAGS: [Flag; 10] = [
         "no-coordinates",
         "the header's coordinates are of a kind not supported: ra, dec, pa are empty",
     ),
+    flag(PLATEAU, "plateau", "ends in a plateau, as a saturated star does: its light was not divided"),
 ];
 
 const fn flag(bit: u32, name: &'static str, meaning: &'static str) -> Flag {

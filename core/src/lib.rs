@@ -26,6 +26,7 @@ mod beside;
 pub mod budget;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod catalog;
+mod centre;
 #[deny(clippy::arithmetic_side_effects)]
 mod codec;
 pub mod config;
@@ -55,6 +56,7 @@ pub mod normalize;
 pub mod otsu;
 pub mod outcome;
 pub mod photon;
+mod pieces;
 pub mod region;
 pub mod rescale;
 pub mod rosin;
@@ -81,4 +83,5 @@ pub mod sum;
 pub mod sweep;
 pub mod tiles;
 pub mod tree;
+mod typical;
 pub mod vectors;

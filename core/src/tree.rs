@@ -22,9 +22,12 @@ pub struct Region<L: Level> {
     pub sum: L::Sum,
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
-    /// Of its pixels above half its peak: the sum of the values, and of the values times the
-    /// distances from the peak along x and y.
-    pub core: (f32, f32, f32),
+    /// Of its pixels above half its peak, the sums of the values times the distances from the peak along
+    /// x and y.
+    pub offsets: (f32, f32),
+    /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
+    /// While the centre is looked for, the sum of the values above half the peak.
+    pub plateau: f32,
     /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
     pub divided: u32,
     /// The label it ends with.
@@ -39,7 +42,8 @@ impl<L: Level> Region<L> {
         area: 0,
         sum: L::NOTHING,
         centre: (L::ZERO, L::ZERO),
-        core: (0.0, 0.0, 0.0),
+        offsets: (0.0, 0.0),
+        plateau: 0.0,
         divided: 0,
         label: 0,
     };
@@ -52,10 +56,11 @@ impl<L: Level> Region<L> {
         }
     }
 
-    /// Whether the source that the region became was divided from another one; `labels` are the final ones.
-    pub fn is_blended(&self, labels: &[u32]) -> bool {
-        let other = (self.divided as usize).checked_sub(1).and_then(|at| labels.get(at));
-        self.label != 0 && other.is_some_and(|&other| other != 0 && other != self.label)
+    /// The label of another source that the region was divided from, where both became sources: then
+    /// both are blended. `labels` are the final ones.
+    pub fn divided_from(&self, labels: &[u32]) -> Option<u32> {
+        let other = (self.divided as usize).checked_sub(1).and_then(|at| labels.get(at).copied());
+        other.filter(|&other| self.label != 0 && other != 0 && other != self.label)
     }
 
     /// A region of one pixel.
@@ -252,4 +257,19 @@ pub fn grow<L: Level>(
         }
     }
     (count, left_out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_region_is_divided_from_what_became_a_source() {
+        let region = Region::<f32> { label: 2, divided: 4, ..Region::BLANK };
+        assert_eq!(region.divided_from(&[2, 2, 0, 1]), Some(1));
+        assert_eq!(region.divided_from(&[2, 2, 1, 0]), None, "the other was dropped");
+        assert_eq!(region.divided_from(&[1, 0, 0, 2]), None, "it took the other's place");
+        assert_eq!(Region { divided: 0, ..region }.divided_from(&[1; 4]), None);
+        assert_eq!(Region { label: 0, ..region }.divided_from(&[1; 4]), None);
+    }
 }

@@ -82,10 +82,18 @@ pub fn segment<L: Level>(
             source.add((at % width) as u32, (at / width) as u32, pixel, extremes.least);
         }
     }
-    let mut blended = vec![false; sources.len()];
+    let [mut blended, mut plateaus] = [(); 2].map(|()| vec![false; sources.len()]);
+    let mark = |of: &mut [bool], label: u32| {
+        (label as usize).checked_sub(1).and_then(|index| of.get_mut(index)).into_iter().for_each(|of| *of = true);
+    };
     for region in table {
-        if let Some(of) = (region.label as usize).checked_sub(1).and_then(|index| blended.get_mut(index)) {
-            *of = region.is_blended(&labels);
+        if let Some(other) = region.divided_from(&labels) {
+            // The other may remember a part that was dropped.
+            mark(&mut blended, region.label);
+            mark(&mut blended, other);
+        }
+        if region.plateau > 0.0 {
+            mark(&mut plateaus, region.label);
         }
     }
     let stages = drive.keep_stages.then(|| StagePlanes {
@@ -111,6 +119,7 @@ pub fn segment<L: Level>(
         convergence: Vec::new(),
         sources,
         blended: Some(blended),
+        plateaus,
         outcome,
         sky: Some(sky),
         seconds: vec![(Stage::Measure, started.elapsed())],

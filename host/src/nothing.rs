@@ -52,6 +52,7 @@ pub fn found(
         convergence: Vec::new(),
         sources: Vec::new(),
         blended: None,
+        plateaus: Vec::new(),
         outcome: without_front(extremes),
         sky: None,
         seconds: Vec::new(),

@@ -52,6 +52,8 @@ pub struct Segmentation {
     pub sources: Vec<Source>,
     /// Of every source, whether it was divided from another; none where nothing is divided.
     pub blended: Option<Vec<bool>>,
+    /// Of every source, whether it ends in a plateau; empty where that was not looked for.
+    pub plateaus: Vec<bool>,
     /// What the run found.
     pub outcome: Outcome,
     /// Sky and noise, where the run measured them.
@@ -209,6 +211,7 @@ pub fn segment_in<A: Arithmetic>(
         convergence,
         sources,
         blended: None,
+        plateaus: Vec::new(),
         outcome,
         sky: None,
         seconds,

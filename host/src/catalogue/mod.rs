@@ -142,6 +142,9 @@ impl Catalogue {
         for (row, &blended) in rows.iter_mut().zip(run.blended.iter().flatten()) {
             row.flags = row.flags & !flags::BLENDED | if blended { flags::BLENDED } else { 0 };
         }
+        for (row, _) in rows.iter_mut().zip(&run.plateaus).filter(|(_, plateau)| **plateau) {
+            row.flags |= flags::PLATEAU;
+        }
         Catalogue { columns: columns(&setting), rows, entries: entries(&scene, &extras), sky, refused }
     }
 

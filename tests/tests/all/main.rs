@@ -28,6 +28,7 @@ mod report;
 mod scores;
 mod sky;
 mod snapshots;
+mod sources;
 mod speed;
 mod symmetry;
 mod thresholds;

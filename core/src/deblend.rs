@@ -61,7 +61,8 @@ fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>
     (foreign <= light.scaled(L::Weight::of(FOREIGN))).then_some(light)
 }
 
-/// Opens the pixels that their host's mirrored light does not explain, and makes each connected
+/// Opens the pixels that neither their host's mirrored light nor that of the frame's typical source
+/// explains, but none of a source that ends in a plateau, and makes each connected
 /// group of them a region that is large enough, also when a second source's light is taken away:
 /// where two large galaxies meet there is the light of both. `noise` is that of a pixel without
 /// light, `photon` how it grows; `queue` is as long as the plane. Gives the new number of

@@ -62,6 +62,8 @@ struct Walk {
     unit: f64,
     /// Whether a banded front is drawn out after each step.
     settles: bool,
+    /// Where the range of the arithmetic ends, in units of the front plane: fast marching holds a front in pixels.
+    limit: f64,
     /// The image plane as the last step left it.
     image: Plane,
     normalised: Option<Plane>,
@@ -82,6 +84,7 @@ impl Walk {
             rounding: Rounding::of::<A>(p.band),
             pixels: pixels.iter().map(|&v| v.into()).collect(),
             unit,
+            limit: f64::from(A::LIMIT),
             settles: p.band.is_some() && A::NEEDS_BAND.is_none() && p.scheme != Scheme::ChanVese,
             image: empty.clone(),
             normalised: None,
@@ -257,7 +260,8 @@ impl Walk {
             // A distance is a sum of as many steps.
             Some(margin) => (r::near(&self.p, image, level, margin), margin + 4.0),
         };
-        let off = self.rounding.start * roundings / self.unit;
+        let (off, limit) = (self.rounding.start * roundings / self.unit, self.limit / self.unit);
+        let reference = reference.map(|u| u.clamp(-limit, limit));
         self.note("u0", &core, &reference.map(|u| u - off), &reference.map(|u| u + off));
     }
 

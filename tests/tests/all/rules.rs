@@ -166,6 +166,15 @@ fn every_front() {
     assert_none(&found);
 }
 
+/// A front in pixels that is wider than the range of q24.
+#[test]
+fn a_march_over_a_frame_of_264_pixels() {
+    const SIDE: usize = 264;
+    let config = PAPER.with_scheme(Scheme::FastMarching);
+    let checks = crosscheck(&config, &sky(Kind::Bright, 14, SIDE, SIDE), SIDE, SIDE, |most| most).expect("a sky");
+    assert_eq!(checks.iter().map(|check| check.failures()).collect::<Vec<_>>(), [Vec::<&str>::new(), Vec::new()]);
+}
+
 /// Fifty skies, the paper's four schemes, its two rescalings and the two thresholds that lie in the flank of the sky.
 #[test]
 fn sound_runs_pass_on_fifty_skies() {

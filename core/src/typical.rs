@@ -16,7 +16,7 @@ const SIDE: usize = 2 * RADIUS + 1;
 /// The most sources that are looked at.
 const MOST: usize = 64;
 /// With fewer, there is no typical one.
-const LEAST: usize = 16;
+const LEAST: usize = 12;
 /// A source is looked at when its peak is this many times the noise.
 const BRIGHT: f32 = 100.0;
 /// A source may have this many times the light of the typical one.

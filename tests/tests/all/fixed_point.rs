@@ -55,7 +55,10 @@ fn first_order_schemes() {
 fn curvature_that_sixteen_bits_can_resolve() {
     for scheme in [Scheme::FdCurvature, Scheme::SlCurvature] {
         let config = Config { nu: 0.02, rescale: Rescale::R1 { alpha: 0.25 }, ..Config::PAPER_F160 };
-        assert_agreement(&config.with_scheme(scheme), Kind::Bright);
+        // Half the paper's step of SL with curvature bears so strong a one.
+        let config = config.with_scheme(scheme);
+        let dt = if scheme == Scheme::SlCurvature { config.dt / 2.0 } else { config.dt };
+        assert_agreement(&Config { dt, ..config }, Kind::Bright);
     }
 }
 

@@ -65,7 +65,7 @@ fn every_product_passes_fitsverify() {
     assert!(skyfront(["simulate", "--out", &folder.file("simulated")]).status.success());
     let below = ["default", "marched", "demo", "simulated"].map(|name| fits_files(&folder.path().join(name)));
     let files = below.concat();
-    assert_eq!(files.len(), 4 * 6 + 4 * 5 + 5 + 2);
+    assert_eq!(files.len(), 4 * 6 + 4 * 5 + 6 + 2);
     let verdict = Command::new("fitsverify").args(&files).output();
     let verdict = verdict.expect("fitsverify is missing (Debian: apt-get install fitsverify)");
     let text = String::from_utf8_lossy(&verdict.stdout);

@@ -39,7 +39,9 @@ fn sky(kind: Kind, seed: u32, width: usize, height: usize) -> Vec<f32> {
 }
 
 fn faint(scheme: Scheme) -> Config {
-    Config { rescale: Rescale::R1 { alpha: 0.25 }, nu: 0.02, ..Config::PAPER_F160 }.with_scheme(scheme)
+    // With the paper's step SL with curvature bears a tenth of it.
+    let nu = if scheme == Scheme::SlCurvature { 0.002 } else { 0.02 };
+    Config { rescale: Rescale::R1 { alpha: 0.25 }, nu, ..Config::PAPER_F160 }.with_scheme(scheme)
 }
 
 fn banded(scheme: Scheme) -> Config {

@@ -57,8 +57,12 @@ fn no_scheme_prefers_a_direction() {
     for scheme in
         [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature, Scheme::FdFiltered, Scheme::ChanVese]
     {
-        check(&strong.with_scheme(scheme), Kind::Bright, 5);
-        check(&strong.with_scheme(scheme), Kind::Stars, 6);
+        let config = strong.with_scheme(scheme);
+        // Half the paper's step of SL with curvature bears so strong a one.
+        let dt = if scheme == Scheme::SlCurvature { config.dt / 2.0 } else { config.dt };
+        for (kind, seed) in [(Kind::Bright, 5), (Kind::Stars, 6)] {
+            check(&Config { dt, ..config }, kind, seed);
+        }
     }
     check(&Config { directions: 64, ..strong.with_scheme(Scheme::Sl) }, Kind::Bright, 5);
 }

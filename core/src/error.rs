@@ -71,6 +71,9 @@ pub enum Error<E = core::convert::Infallible> {
         /// What it cannot do, and why.
         reason: &'static str,
     },
+    /// The configuration's method is significance: that is [`crate::detect::detect`], no front of a
+    /// [`crate::segmenter::Segmenter`].
+    Method,
     /// The memory between two polls is not what the pipeline left there.
     Corrupted {
         /// Which plane or table.
@@ -94,6 +97,7 @@ impl<E> Error<E> {
             Error::NoSky { defined, needed } => Error::NoSky { defined, needed },
             Error::NoNoise { value, equal, defined } => Error::NoNoise { value, equal, defined },
             Error::Arithmetic { name, reason } => Error::Arithmetic { name, reason },
+            Error::Method => Error::Method,
             Error::Corrupted { name } => Error::Corrupted { name },
             Error::Frame(error) => Error::Frame(frame(error)),
         }
@@ -128,6 +132,7 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
                 write!(f, "{equal} of {defined} defined pixels equal {value}: there is no noise to measure")
             }
             Error::Arithmetic { name, reason } => write!(f, "arithmetic {name}: {reason}"),
+            Error::Method => f.write_str("the method is significance, which is `detect`; a segmenter moves a front"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),
             Error::Frame(error) => write!(f, "reading the frame: {error}"),
         }

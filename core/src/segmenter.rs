@@ -69,8 +69,11 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// Sets up a run; nothing can be wrong with the parameters or the memory afterwards.
     ///
     /// # Errors
-    /// [`Error::Parameter`], [`Error::Arithmetic`], [`Error::Size`] or [`Error::Length`].
+    /// [`Error::Method`], [`Error::Parameter`], [`Error::Arithmetic`], [`Error::Size`] or [`Error::Length`].
     pub fn new(config: &Config, width: usize, height: usize, memory: Memory<'m, A>) -> Result<Self, Error> {
+        if config.detection.is_some() {
+            return Err(Error::Method);
+        }
         let (given, chosen) = (config, Chosen::<A, S>::new(*config));
         let config = &*chosen;
         config.validate::<A>()?;

@@ -43,8 +43,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.sources.is_some_and(|sources| sources as u64 > MOST_PIXELS) {
         bail!(Usage("--sources must be at most 2^30"));
     }
-    let config = arguments.options.config()?;
     let size = (arguments.width, arguments.height);
+    let config = arguments.options.for_frame(arguments.options.config()?, size.0, size.1);
     if config.detection.is_some() {
         arguments.options.arithmetic.validate(&config)?;
         write!(Stdout, "{}", noise_aware(size)?)?;

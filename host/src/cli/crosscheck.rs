@@ -98,10 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             let image = read::image(path, arguments.hdu.as_ref())?;
             let configs: Vec<Config> = configs(&arguments.options)?
                 .into_iter()
-                .map(|config| match arguments.options.given.get("t-max") {
-                    Some(_) => config,
-                    None => config.with_time_for(image.width, image.height),
-                })
+                .map(|config| arguments.options.for_frame(config, image.width, image.height))
                 .collect();
             if let Some(folder) = &arguments.vectors {
                 export(folder, &configs, &image, arguments.overwrite)?;

@@ -47,6 +47,11 @@ impl Options {
         Ok(config)
     }
 
+    /// The same for a frame: with time to cross it, unless the user's own is given.
+    pub fn for_frame(&self, config: Config, width: usize, height: usize) -> Config {
+        if self.given.get("t-max").is_some() { config } else { config.with_time_for(width, height) }
+    }
+
     /// The map from which the front starts, and its margin in pixels.
     pub fn start_map(&self) -> Option<(Place, f32)> {
         let Some(Setting::Map(place)) = self.given.get("start") else { return None };

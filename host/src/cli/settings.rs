@@ -119,6 +119,8 @@ pub fn dump(command: &Command, given: &ArgMatches, config: &Config) -> String {
     let mut text = format!("# Settings of skyfront {}.\n", env!("CARGO_PKG_VERSION"));
     for (arg, name) in settings(command) {
         let values = match effective.get(name) {
+            // Not given, it follows from the frame.
+            Some(_) if name == "t-max" => raw_values(arg, given),
             // The configuration knows that there is a map, the command line knows which.
             Some(value) if !matches!(config.start, Start::Given) || name != "start" => vec![value.clone()],
             _ => raw_values(arg, given),

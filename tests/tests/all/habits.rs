@@ -64,6 +64,16 @@ fn dumped_settings_give_the_same_settings_again() {
 }
 
 #[test]
+fn a_time_that_is_not_given_follows_from_the_frame() {
+    let has_time = |options: &[&str]| dumped(options).lines().any(|line| line.starts_with("t-max = "));
+    assert!(!has_time(&["--preset", "paper-f160"]), "fed back, it would be the user's own");
+    assert!(has_time(&["--preset", "paper-f160", "--t-max", "50"]));
+    let budget = ["budget", "--preset", "paper-f160", "--width", "600", "--height", "600"];
+    assert!(stdout(&skyfront(budget)).contains("evolve, at most 4000 passes"));
+    assert!(stdout(&skyfront(budget.iter().chain(&["--t-max", "50"]))).contains("evolve, at most 2000 passes"));
+}
+
+#[test]
 fn the_command_line_goes_before_the_file_and_the_file_before_the_preset() {
     let folder = Folder::new("order");
     let file = folder.file("settings.toml");

@@ -1,4 +1,4 @@
-//! 16-bit fixed point: narrow planes, 4 bytes a pixel, and kernels in I8F24.
+//! 16-bit fixed point: narrow planes, 4 bytes per pixel, and kernels in I8F24.
 //!
 //! The image and the edge detector are U1F15 (range [0, 2), step 2^-15); the front is I5F11 in
 //! pixels (range [-16, 16), step 2^-11), saturated by its band to at most 8 pixels.

@@ -1,4 +1,4 @@
-//! 32-bit fixed point: planes of I8F24, 8 bytes a pixel.
+//! 32-bit fixed point: planes of I8F24, 8 bytes per pixel.
 
 use super::fixed32::Fixed24;
 use super::{Arithmetic, Exponent, Real, elementary, roots, sealed::Sealed};

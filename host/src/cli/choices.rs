@@ -37,12 +37,12 @@ impl Preset {
 /// `--arithmetic`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ArithmeticOption {
-    /// IEEE 754 single precision, 8 bytes a pixel.
+    /// IEEE 754 single precision, 8 bytes per pixel.
     #[default]
     F32,
-    /// Fixed point, 24 fraction bits, 8 bytes a pixel.
+    /// Fixed point, 24 fraction bits, 8 bytes per pixel.
     Q24,
-    /// Fixed point in 16 bits, 4 bytes a pixel.
+    /// Fixed point in 16 bits, 4 bytes per pixel.
     Q11,
 }
 

@@ -81,7 +81,7 @@ impl Image {
 /// Reads one image from a file.
 ///
 /// Without a choice the first HDU with a 2-D image is taken (trailing axes of length 1 do not count, tables and 1-D
-/// data are passed over). One pass over the file; memory is 4 bytes a pixel, reserved only after the size that the
+/// data are passed over). One pass over the file; memory is 4 bytes per pixel, reserved only after the size that the
 /// header claims has been checked against the file.
 ///
 /// # Errors

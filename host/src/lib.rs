@@ -36,4 +36,5 @@ pub mod sky;
 pub mod summary;
 pub mod truth;
 pub mod vectors;
+mod workers;
 pub mod write;

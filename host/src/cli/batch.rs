@@ -7,14 +7,13 @@ use super::messages::{Volume, about_input, progress_bar, report, warnings};
 use super::say::{Stderr, Stdout};
 use super::segment::Arguments;
 use super::table::{self, Facts, Row};
+use crate::workers::in_order;
 use crate::write::Products;
 use anyhow::Result;
 use indicatif::ProgressBar;
 use skyfront_core::config::Config;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 /// The table of all images.
 const TABLE: &str = "summary.csv";
@@ -25,7 +24,8 @@ pub fn run(arguments: &Arguments, config: &Config) -> Result<ExitCode> {
     let folders = folders(&arguments.images, TABLE);
     let memory = arguments.memory();
     let bar = progress_bar(arguments.images.len() as u64, "images", arguments.volume());
-    let rows = in_parallel(arguments.images.len(), arguments.jobs.get(), |index| {
+    // One at a time for each job: at most so many images are in memory.
+    let rows = in_order(arguments.images.len(), 1, arguments.jobs.get(), |index, ()| {
         let row = one(arguments, config, &memory, &arguments.images[index], &folders[index], &bar);
         bar.inc(1);
         row
@@ -82,47 +82,4 @@ fn segmented(
     let about_input = about_input(&input, arguments.volume());
     bar.suspend(|| about_input.iter().chain(&lines).for_each(|line| writeln!(Stderr, "{line}")));
     Ok(Facts::of(&done.summary, arguments.json))
-}
-
-/// `work(0)` to `work(count - 1)` on `workers` threads, the results in order.
-///
-/// Threads take the next number when they are free: at most `workers` images are in memory.
-fn in_parallel<T: Send>(count: usize, workers: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(Vec::with_capacity(count));
-    let work_on = || {
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= count {
-                break;
-            }
-            let result = work(index);
-            results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
-        }
-    };
-    std::thread::scope(|scope| {
-        // Where the system gives no more threads, fewer do the work.
-        for _ in 1..workers.min(count) {
-            if std::thread::Builder::new().spawn_scoped(scope, work_on).is_err() {
-                break;
-            }
-        }
-        work_on();
-    });
-    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
-    results.sort_unstable_by_key(|&(index, _)| index);
-    results.into_iter().map(|(_, result)| result).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn results_come_in_order_whatever_the_workers() {
-        let squares: Vec<usize> = (0..100).map(|n| n * n).collect();
-        for workers in [1, 3, 200] {
-            assert_eq!(in_parallel(100, workers, |n| n * n), squares);
-        }
-    }
 }

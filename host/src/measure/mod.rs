@@ -12,7 +12,6 @@ mod overlap;
 mod scene;
 mod shape;
 mod window;
-mod workers;
 
 pub use aperture::Aperture;
 pub use level::{Level, clipped_scatter, estimate};
@@ -22,11 +21,14 @@ pub use shape::{Ellipse, Shape, Values};
 pub use window::Windowed;
 
 use crate::sky::{Patch, Sky};
+use crate::workers::in_order;
 use aperture::Sum;
 use growth::Growth;
 use skyfront_core::catalog::Source;
 use skyfront_core::flags;
 
+/// Sources that a thread takes at a time.
+const PIECE: usize = 32;
 /// Kron's first moment is taken within this many times the ellipse of the second moments.
 const KRON_REACH: f64 = 6.0;
 /// The Kron aperture in units of that moment, and its least size in units of the ellipse
@@ -150,7 +152,7 @@ pub struct Measured {
 pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
     let sums = shape::sums(scene, sources);
     let task = Task { scene, extras, sky };
-    workers::in_order(sources.len(), extras.threads, |index, growth: &mut Growth| {
+    in_order(sources.len(), PIECE, extras.threads, |index, growth: &mut Growth| {
         let sums = &sums[index];
         task.one(&sources[index], sums, sums.shape(&sources[index]), growth)
     })
@@ -161,7 +163,7 @@ pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: 
 pub fn measure_at(scene: &Scene<'_>, places: &[(f64, f64)], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
     let extras = &Extras { wanted: Wanted { kron: false, windowed: false, local: false }, ..extras.clone() };
     let task = Task { scene, extras, sky };
-    workers::in_order(places.len(), extras.threads, |index, growth: &mut Growth| {
+    in_order(places.len(), PIECE, extras.threads, |index, growth: &mut Growth| {
         let (x, y) = places[index];
         let source = Source::empty(scene.label_at(x, y));
         let measured = task.one(&source, &shape::Sums::default(), Shape::at(x, y), growth);

@@ -19,15 +19,6 @@ const WIDTH: usize = 44;
 const HEIGHT: usize = 36;
 const PAPER: Config = Config::PAPER_F160;
 const PAPERS_SCHEMES: [Scheme; 4] = [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature];
-const EVERY_SCHEME: [Scheme; 7] = [
-    Scheme::Fd,
-    Scheme::Sl,
-    Scheme::FdCurvature,
-    Scheme::SlCurvature,
-    Scheme::FdFiltered,
-    Scheme::ChanVese,
-    Scheme::FastMarching,
-];
 
 /// The front goes half the way to the middle: the rules before it are what counts.
 const SHORT: Config = Config { t_max: 1.0, ..PAPER };
@@ -106,7 +97,7 @@ fn fronts() -> Vec<Config> {
             Config { degenerate: 1.0, nu: 0.05, dx: 0.2, ..config },
         ]
     };
-    EVERY_SCHEME.into_iter().flat_map(each).collect()
+    Scheme::ALL.into_iter().flat_map(each).collect()
 }
 
 /// A sky with undefined pixels.

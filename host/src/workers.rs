@@ -4,32 +4,30 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, scope};
 
-/// Things that a thread takes at a time.
-const PIECE: usize = 32;
-
-/// `work(0)` to `work(count - 1)`, each of which may use the memory of its thread; where a thread
-/// cannot be had, the others do its work.
-pub(super) fn in_order<M: Default, T: Send>(
+/// `work(0)` to `work(count - 1)`, each of which may use the memory of its thread. Threads take a
+/// `piece` of so many when they are free; where a thread cannot be had, the others do its work.
+pub(crate) fn in_order<M: Default, T: Send>(
     count: usize,
+    piece: usize,
     threads: usize,
     work: impl Fn(usize, &mut M) -> T + Sync,
 ) -> Vec<T> {
-    let next = AtomicUsize::new(0);
+    let (next, step) = (AtomicUsize::new(0), piece.max(1));
     let pieces = Mutex::new(Vec::new());
     let help = || {
         let mut memory = M::default();
         loop {
-            let first = next.fetch_add(PIECE, Ordering::Relaxed);
+            let first = next.fetch_add(step, Ordering::Relaxed);
             if first >= count {
                 break;
             }
-            let last = count.min(first + PIECE);
+            let last = count.min(first + step);
             let piece: Vec<T> = (first..last).map(|index| work(index, &mut memory)).collect();
             pieces.lock().unwrap_or_else(PoisonError::into_inner).push((first, piece));
         }
     };
     scope(|scope| {
-        for _ in 1..threads.min(count.div_ceil(PIECE)) {
+        for _ in 1..threads.min(count.div_ceil(step)) {
             if Builder::new().spawn_scoped(scope, help).is_err() {
                 break;
             }
@@ -47,10 +45,10 @@ mod tests {
 
     #[test]
     fn results_come_in_order_whatever_the_threads() {
-        for count in [0, 1, PIECE, 1000] {
+        for count in [0, 1, 32, 100, 1000] {
             let expected: Vec<usize> = (0..count).map(|n| n * n).collect();
-            for threads in [0, 1, 3, 64] {
-                assert_eq!(in_order(count, threads, |n, _: &mut ()| n * n), expected);
+            for (piece, threads) in [(32, 0), (32, 1), (32, 3), (32, 64), (1, 1), (1, 3), (1, 200)] {
+                assert_eq!(in_order(count, piece, threads, |n, _: &mut ()| n * n), expected);
             }
         }
     }

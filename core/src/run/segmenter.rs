@@ -7,7 +7,7 @@ use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::config::Config;
 use crate::error::Error;
 use crate::front::edge::EdgeDetector;
-use crate::front::profile::{Profile, LEAST_SIDE, MOST_COLUMNS};
+use crate::front::profile::{LEAST_SIDE, MOST_COLUMNS, Profile};
 use crate::front::region::Regions;
 use crate::front::scheme::{AnyScheme, Chosen, Evolve};
 use crate::front::settle::Settle;

@@ -11,7 +11,7 @@ pub mod background;
 pub mod catalogue;
 pub mod cli;
 pub mod crosscheck;
-pub mod detection;
+pub mod extraction;
 pub mod given;
 pub mod input;
 #[allow(unsafe_code, reason = "calls of functions compiled for AVX2, where the processor has it")]

@@ -9,10 +9,8 @@ use core::fmt;
 /// A step of a run, in the order of the steps: parameters are listed by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Step {
-    /// How sources are found.
-    Method,
-    /// What belongs to sources, by significance.
-    Outline,
+    /// Sky and noise, and what stands out of them.
+    Sky,
     /// Pixel values become numbers in [0, 1].
     Normalize,
     /// Intensities are rescaled.
@@ -33,13 +31,12 @@ impl Step {
     /// Its heading in a list of parameters.
     pub const fn title(self) -> &'static str {
         match self {
-            Step::Method => "Method",
-            Step::Outline => "Outlines (--method significance)",
-            Step::Normalize => "Normalisation (--method rescaling)",
-            Step::Rescale => "Rescaling (--method rescaling)",
-            Step::Filter => "Filter (--method rescaling)",
-            Step::Speed => "Edge detector (--method rescaling)",
-            Step::Front => "Front (--method rescaling)",
+            Step::Sky => "Sky and threshold",
+            Step::Normalize => "Normalisation",
+            Step::Rescale => "Rescaling",
+            Step::Filter => "Filter",
+            Step::Speed => "Edge detector",
+            Step::Front => "Front",
             Step::Separate => "Separation of sources",
             Step::Select => "Selection of sources",
         }

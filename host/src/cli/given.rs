@@ -4,7 +4,7 @@ use crate::cli::choices::Preset;
 use crate::read::Place;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches, ValueEnum};
-use skyfront_core::config::{Config, Need, Numbers, PARAMETERS, Parameter, Step, Value};
+use skyfront_core::config::{Config, Need, Numbers, PARAMETERS, Parameter, Value};
 
 /// Parameters with the values they were given, in the order of the table.
 #[derive(Clone, Debug, Default)]
@@ -70,12 +70,12 @@ impl Given {
 
 /// An option that the chosen steps do not use.
 #[derive(Debug, thiserror::Error)]
-#[error("--{name} is not used by --{choice} {chosen}; it needs --{choice} {}{}", words(.wanted), has(.preset))]
+#[error("--{name} is not used by --{choice} {chosen}; it needs --{choice} {wanted}{}", has(.preset))]
 pub struct Unused {
     name: &'static str,
     choice: &'static str,
     chosen: String,
-    wanted: &'static [&'static str],
+    wanted: String,
     preset: Option<String>,
 }
 
@@ -86,7 +86,7 @@ impl Unused {
             name: parameter.name,
             choice: need.name,
             chosen: chosen.and_then(|value| value.word).unwrap_or_default().to_owned(),
-            wanted: need.words,
+            wanted: wanted(need),
             preset: preset_with(parameter),
         }
     }
@@ -100,6 +100,16 @@ fn preset_with(parameter: &Parameter) -> Option<String> {
 
 fn has(preset: &Option<String>) -> String {
     preset.as_ref().map(|name| format!(", as --preset {name} has")).unwrap_or_default()
+}
+
+/// The words of a choice that serve; where all do but one, that one.
+fn wanted(need: &Need) -> String {
+    let all = Parameter::named(need.name).map_or(&[][..], |choice| choice.words);
+    let mut others = all.iter().map(|word| word.name).filter(|word| !need.words.contains(word));
+    match (others.next(), others.next()) {
+        (Some(other), None) if need.words.len() > 2 => format!("other than {other}"),
+        _ => words(need.words),
+    }
 }
 
 /// `a, b or c`.
@@ -187,11 +197,9 @@ pub fn notes(parameter: &Parameter) -> Vec<String> {
     notes
 }
 
-/// With which choice a parameter is used; the heading of most steps tells the method.
+/// With which choice a parameter is used.
 fn uses(parameter: &Parameter) -> Option<String> {
-    let own = |need: &&Need| need.name != "method" || matches!(parameter.step, Step::Separate | Step::Select);
-    let needs: Vec<String> =
-        parameter.needs.iter().filter(own).map(|need| format!("--{} {}", need.name, words(need.words))).collect();
+    let needs: Vec<String> = parameter.needs.iter().map(|need| format!("--{} {}", need.name, wanted(need))).collect();
     (!needs.is_empty()).then(|| format!("with {}", needs.join(" and ")))
 }
 
@@ -283,10 +291,10 @@ mod tests {
 
     #[test]
     fn a_preset_that_uses_it_is_the_way_out() {
-        let message = config(&["--scheme", "fd"]).expect_err("the default has no front");
+        let message = config(&["--tau", "otsu"]).expect_err("the default does not rescale");
         assert_eq!(
             message,
-            "--scheme is not used by --method significance; it needs --method rescaling, as --preset paper-f160 has"
+            "--tau is not used by --scheme region; it needs --scheme other than region, as --preset rsa has"
         );
         let message = config(&["--preset", "paper-f160", "--mu", "1"]).expect_err("for another scheme");
         assert!(message.ends_with("it needs --scheme chan-vese, as --preset chan-vese has"), "{message}");

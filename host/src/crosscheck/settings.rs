@@ -32,7 +32,8 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Edge::G2Mod { c2 } => r::Edge::G2Mod { c2: decimal(c2) },
         },
         scheme: match config.scheme {
-            c::Scheme::Fd => r::Scheme::Fd,
+            // That of regions needs signal-to-noise, of which the reference has no word.
+            c::Scheme::Fd | c::Scheme::Region => r::Scheme::Fd,
             c::Scheme::FastMarching => r::Scheme::FastMarching,
             c::Scheme::Sl => r::Scheme::Sl,
             c::Scheme::FdCurvature => r::Scheme::FdCurvature,
@@ -84,7 +85,7 @@ fn rescale(rescale: c::Rescale) -> r::Rescale {
 fn filter(config: &c::Config) -> r::Filter {
     let (steps, dt) = (config.filter_steps.into(), decimal(config.filter_dt));
     match config.filter {
-        c::Filter::None => r::Filter::None,
+        c::Filter::None | c::Filter::Gauss | c::Filter::Adaptive => r::Filter::None,
         c::Filter::Heat => r::Filter::Heat { steps, dt },
         c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
             f: match diffusivity {

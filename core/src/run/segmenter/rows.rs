@@ -187,7 +187,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
 
     pub(super) fn filter_rows(&mut self, end: usize) {
         match self.config.filter {
-            Filter::None => {}
+            Filter::None | Filter::Gauss | Filter::Adaptive => {}
             Filter::Heat => self.sweep_image(&mut Heat::<A>::new(&self.config), end),
             Filter::PeronaMalik { diffusivity, mu } => {
                 self.sweep_image(&mut PeronaMalik::<A>::new(&self.config, diffusivity, mu), end);

@@ -1,7 +1,6 @@
 //! What a parameter is: its name, its values and their bounds, and the choices that use it.
 
 use super::Config;
-use super::table::PARAMETERS;
 use crate::arithmetic::digest::Digest;
 use crate::error::Error;
 use core::fmt;
@@ -251,11 +250,6 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The parameter of that name.
-    pub fn named(name: &str) -> Option<&'static Parameter> {
-        PARAMETERS.iter().find(|parameter| parameter.name == name)
-    }
-
     /// Its value in a configuration, where there is one.
     #[inline(always)]
     pub fn get(&self, config: &Config) -> Option<Value> {
@@ -273,7 +267,7 @@ impl Parameter {
 
     /// Gives it a value; what a choice has not been told yet takes its defaults. Nothing happens
     /// where the configuration has no such value, or the value is of another kind. Set parameters
-    /// in the order of [`PARAMETERS`], then validate the configuration.
+    /// in the order of [`PARAMETERS`](super::PARAMETERS), then validate the configuration.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a whole number out of bounds; others are checked with the whole.
@@ -330,34 +324,6 @@ impl Parameter {
         digest.bytes(&[1]);
         digest.bytes(&first.to_le_bytes());
         digest.bytes(&second.to_le_bytes());
-    }
-
-    /// The first choice of a configuration that leaves this parameter unused.
-    pub fn unmet(&self, config: &Config) -> Option<&'static Need> {
-        self.needs.iter().find(|need| {
-            let word = Parameter::named(need.name).and_then(|other| other.get(config)).and_then(|value| value.word);
-            word.is_none_or(|word| !need.words.contains(&word))
-        })
-    }
-
-    /// `config` with the choices that this parameter needs, each the first that serves.
-    pub fn at_work(&self, config: &Config) -> Config {
-        let mut config = *config;
-        for need in self.needs {
-            if self.unmet(&config) == Some(need)
-                && let (Some(other), Some(&word)) = (Parameter::named(need.name), need.words.first())
-                && let Some(value) = other.parse(word)
-            {
-                // Words are never out of bounds.
-                let _ = other.set(&mut config, value);
-            }
-        }
-        config
-    }
-
-    /// Its value where nothing is said: that of the default's steps, or of the choices it needs.
-    pub fn default(&self) -> Option<Value> {
-        self.get(&self.at_work(&Config::NOISE_AWARE))
     }
 
     /// Reads a value, as [`Value`] writes it; `None` where it has no such form.

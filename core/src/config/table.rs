@@ -286,6 +286,41 @@ table![
         .help("Smallest area of a source."),
 ];
 
+impl Parameter {
+    /// The parameter of that name.
+    pub fn named(name: &str) -> Option<&'static Parameter> {
+        PARAMETERS.iter().find(|parameter| parameter.name == name)
+    }
+
+    /// The first choice of a configuration that leaves this parameter unused.
+    pub fn unmet(&self, config: &Config) -> Option<&'static Need> {
+        self.needs.iter().find(|need| {
+            let word = Parameter::named(need.name).and_then(|other| other.get(config)).and_then(|value| value.word);
+            word.is_none_or(|word| !need.words.contains(&word))
+        })
+    }
+
+    /// `config` with the choices that this parameter needs, each the first that serves.
+    pub fn at_work(&self, config: &Config) -> Config {
+        let mut config = *config;
+        for need in self.needs {
+            if self.unmet(&config) == Some(need)
+                && let (Some(other), Some(&word)) = (Parameter::named(need.name), need.words.first())
+                && let Some(value) = other.parse(word)
+            {
+                // Words are never out of bounds.
+                let _ = other.set(&mut config, value);
+            }
+        }
+        config
+    }
+
+    /// Its value where nothing is said: that of the default's steps, or of the choices it needs.
+    pub fn default(&self) -> Option<Value> {
+        self.get(&self.at_work(&Config::NOISE_AWARE))
+    }
+}
+
 const ON_SIGNAL: Need = Need { name: "sky", words: &["mesh", "frame"] };
 const BY_REGION: Need = Need { name: "scheme", words: &["region"] };
 const BY_TREE: Need = Need { name: "separate", words: &["tree"] };

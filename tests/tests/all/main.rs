@@ -31,6 +31,7 @@ mod reach;
 mod reading;
 mod reference_facts;
 mod report;
+mod rooms;
 mod rules;
 mod scores;
 mod settings;

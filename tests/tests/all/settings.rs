@@ -40,7 +40,7 @@ const FAINT: &str = "threshold=0.3 min-peak=0 min-light=0 min-area=3";
 const CASES: &[Case] = &[
     ("sky", S, "", ["mesh", "frame"]),
     ("sky", S, "", ["mesh:64", "mesh:40"]),
-    ("sky", S, "preset=paper-f160", ["none", "frame"]),
+    ("sky", S, "preset=paper-f160", ["none", "mesh:40"]),
     ("threshold", S, "", ["1", "2"]),
     ("outline-steps", S, "", ["5", "0"]),
     ("outline-curvature", S, "", ["0.6", "0"]),

@@ -58,9 +58,8 @@ pub fn connect(regions: &Regions, width: usize) -> Vec<u32> {
     }
     // Of each source the piece that stays.
     let mut kept: Vec<Option<&Vec<usize>>> = vec![None; regions.table.len()];
-    let size = |label: usize, piece: &Vec<usize>| {
-        piece.len() * if piece.contains(&regions.table[label].peak) { 4 } else { 1 }
-    };
+    let size =
+        |label: usize, piece: &Vec<usize>| piece.len() * if piece.contains(&regions.table[label].peak) { 4 } else { 1 };
     for piece in &pieces {
         let label = labels[piece[0]] as usize - 1;
         let better = |best: &Vec<usize>| match (size(label, piece), size(label, best)) {

@@ -29,7 +29,9 @@ impl Judge {
 
     /// Whether `a` is above `b`.
     pub fn exceeds(&self, a: f64, b: f64) -> bool {
-        if (a - b).abs() > self.slack.absolute + self.slack.relative * (a.abs() + b.abs()) || self.slack == Slack::default() {
+        if (a - b).abs() > self.slack.absolute + self.slack.relative * (a.abs() + b.abs())
+            || self.slack == Slack::default()
+        {
             return a > b;
         }
         let number = self.open.replace(self.open.get() + 1);

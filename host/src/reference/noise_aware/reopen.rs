@@ -144,9 +144,8 @@ impl Scene<'_> {
         if unexplained < self.settings.reopened_area {
             return;
         }
-        let excess = |at: usize| {
-            self.image.values()[at] - mirrored(self.image, host.centre, self.place(at)).unwrap_or(0.0)
-        };
+        let excess =
+            |at: usize| self.image.values()[at] - mirrored(self.image, host.centre, self.place(at)).unwrap_or(0.0);
         let peak = group.iter().copied().reduce(|best, at| if excess(at) > excess(best) { at } else { best });
         let peak = peak.unwrap_or(group[0]);
         regions.table[label as usize - 1].divide(self.image, peak);

@@ -75,7 +75,8 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
             }
             region
         };
-        let brightest = near.iter().copied().reduce(|best, other| if values[other] > values[best] { other } else { best });
+        let brightest =
+            near.iter().copied().reduce(|best, other| if values[other] > values[best] { other } else { best });
         let Some(brightest) = brightest else {
             let value = values[at];
             taken[at] = Some(table.len());

@@ -164,12 +164,14 @@ fn labels(rows: &[&str]) -> (Vec<u32>, usize) {
 fn teeth_go_and_pieces_are_joined() {
     let (comb, width) = labels(&["111111", "000100", "000100", "000000"]);
     assert_eq!(straighten(&comb, width), labels(&["111111", "000100", "000000", "000000"]).0);
-    let (pieces, width) = labels(&["11222001", "11222000", "11122110", "11122330"]);
     let region = Region { peak: 31, value: 1.0, area: 0, sum: 1.0, centre: (0.0, 0.0), plateau: false, divided: None };
-    let regions = |peak| Regions { labels: pieces.clone(), table: vec![Region { peak, ..region.clone() }; 3] };
-    let joined = labels(&["11222000", "11222000", "11122330", "11122330"]).0;
-    assert_eq!(connect(&regions(31), width), joined);
-    // The piece with the peak stays, though another is three times as large.
-    let kept = labels(&["11222000", "11222000", "11122110", "11122330"]).0;
-    assert_eq!(connect(&regions(21), width)[21], kept[21]);
+    let joined = |rows: &[&str], peak: usize| {
+        let (pieces, width) = labels(rows);
+        connect(&Regions { labels: pieces, table: vec![Region { peak, ..region.clone() }; 3] }, width)
+    };
+    let small = joined(&["11222001", "11222000", "11122110", "11122330"], 31);
+    assert_eq!(small, labels(&["11222000", "11222000", "11122330", "11122330"]).0);
+    // The piece with the peak stays, though another is twice as large.
+    let with_peak = joined(&["11222001", "11222011", "11122110", "11122330"], 22);
+    assert_eq!(with_peak, labels(&["22222001", "22222011", "22222110", "22222330"]).0);
 }

@@ -12,7 +12,7 @@ mod walk;
 
 pub use compare::{Comparison, PlaneDifference, compare};
 pub use report::{json, table};
-pub use settings::parameters;
+pub use settings::{parameters, settings};
 pub use walk::{Difference, walk};
 
 use crate::arithmetics::{self, Task, adapted};

@@ -2,7 +2,9 @@
 
 use crate::provenance::shortest as decimal;
 use crate::reference as r;
+use crate::reference::noise_aware::Settings;
 use skyfront_core::config as c;
+use skyfront_core::config::detection::Detection;
 
 /// The same run for the reference. An `f32` of the configuration stands for the decimal number that a person would
 /// have typed for it: 0.1 is 0.1, not the binary fraction nearest to it.
@@ -65,11 +67,35 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Stop::Rate => r::Stop::Rate,
         },
         band: config.band.map(decimal),
-        connectivity: match config.connectivity {
-            c::Connectivity::Four => r::Connectivity::Four,
-            c::Connectivity::Eight => r::Connectivity::Eight,
-        },
+        connectivity: connectivity(config.connectivity),
         min_area: config.min_area as usize,
+    }
+}
+
+/// The same for the default.
+pub fn settings(detection: &Detection) -> Settings {
+    Settings {
+        threshold: decimal(detection.outline),
+        steps: detection.front_steps,
+        curvature: decimal(detection.curvature),
+        peak: decimal(detection.peak),
+        false_sources: decimal(detection.false_sources),
+        false_share: decimal(detection.false_share),
+        branch: decimal(detection.branch),
+        contrast: decimal(detection.contrast),
+        light: decimal(detection.light),
+        min_area: detection.min_area as usize,
+        excess: decimal(detection.excess),
+        reopened_area: detection.reopened_area as usize,
+        sharpening: decimal(detection.sharpening),
+        connectivity: connectivity(detection.connectivity),
+    }
+}
+
+fn connectivity(connectivity: c::Connectivity) -> r::Connectivity {
+    match connectivity {
+        c::Connectivity::Four => r::Connectivity::Four,
+        c::Connectivity::Eight => r::Connectivity::Eight,
     }
 }
 

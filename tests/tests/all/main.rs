@@ -29,6 +29,7 @@ mod pipeline;
 mod products;
 mod reach;
 mod reading;
+mod reference_default;
 mod reference_facts;
 mod report;
 mod rooms;

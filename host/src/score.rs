@@ -30,6 +30,28 @@ pub struct Score {
     pub panoptic: f64,
 }
 
+impl Score {
+    /// The measures by their names in the paper and in its program.
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "n_truth": self.objects,
+            "n_seg": self.segments,
+            "tp": self.matched,
+            "fp": self.segments - self.matched,
+            "fn": self.objects - self.matched,
+            "completeness": self.completeness,
+            "purity": self.purity,
+            "f_score": self.f_score,
+            "um": self.under_merging,
+            "om": self.over_merging,
+            "area_score": 1.0 - self.under_merging.hypot(self.over_merging),
+            "combined": self.combined,
+            "mean_iou": self.mean_iou,
+            "pq": self.panoptic,
+        })
+    }
+}
+
 /// Labels above 0 as 1 to n in increasing order; others 0.
 fn compact(map: &[i64]) -> (Vec<usize>, usize) {
     let mut ids: BTreeMap<i64, usize> = map.iter().filter(|&&label| label > 0).map(|&label| (label, 0)).collect();

@@ -1,7 +1,7 @@
 //! Scores of a segmentation against the truth, after Haigh et al. 2021 (A&A 645, A107), and
 //! panoptic quality.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// The measures of one label map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +96,7 @@ pub fn score(truth: &[i64], map: &[i64], image: &[f32]) -> Score {
     let pixels = truth.len() as f64;
     let under_merging = merging(&overlaps, &object_area, false) / pixels;
     let over_merging = merging(&overlaps, &segment_area, true) / pixels;
-    let mut finder: HashMap<usize, (usize, usize)> = HashMap::new();
+    let mut finder: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
     for (object, &peak) in peaks.iter().enumerate().skip(1) {
         let Some(peak) = peak.filter(|&peak| map[peak] > 0) else { continue };
         let known = finder.entry(map[peak]).or_insert((object, peak));

@@ -1,13 +1,12 @@
 """The functions of the package."""
 
 import json
-import warnings
 
 import numpy as np
 
 from . import _engine
 from ._input import Image, option_error, plain, sample
-from ._result import Segmentation, SkyfrontWarning, in_python, summarised, table
+from ._result import Segmentation
 from ._settings import OWN, PARAMETERS, describe, describe_own, signature, texts
 
 _DEFAULTS = {name: default for name, default, _, _ in OWN}
@@ -42,10 +41,7 @@ def _run(function, image, keywords, known, stages=False, labels=None):
         threads=own["threads"],
         stages=stages,
     )
-    found = _engine.segment(job)
-    for text in found["warnings"]:
-        warnings.warn(in_python(text), SkyfrontWarning, stacklevel=3)
-    return image, found
+    return image, _engine.segment(job)
 
 
 def _weight(image, own):
@@ -87,9 +83,7 @@ def paper(image, **keywords):
 
 
 def measure(image, labels, **keywords):
-    image, found = _run("measure", image, dict(keywords), _measuring(keywords), labels=labels)
-    summary = summarised(json.loads(found["summary"]), image, [in_python(text) for text in found["warnings"]])
-    return table(found["columns"], summary)
+    return Segmentation(*_run("measure", image, dict(keywords), _measuring(keywords), labels=labels)).catalogue
 
 
 def _measuring(keywords):

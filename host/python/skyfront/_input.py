@@ -48,7 +48,7 @@ class Image:
         """The array inside, after what is around it has been noted."""
         if isinstance(image, _class("astropy.io.fits.hdu.base", "_BaseHDU")):
             self.cards = cards(image.header)
-            self.unit = _unit_of(image.header.get("BUNIT"))
+            self.unit = unit_of(image.header.get("BUNIT"))
             image = image.data
         if isinstance(image, _class("astropy.nddata", "NDDataBase")):
             self.unit = image.unit
@@ -179,8 +179,8 @@ def _is_celestial(card):
     return card.startswith(starts)
 
 
-def _unit_of(text):
-    """The unit that a header spells, where astropy knows it."""
+def unit_of(text):
+    """The unit that a header spells; one that astropy does not know keeps its name."""
     if text is None:
         return None
     from astropy import units

@@ -5,12 +5,13 @@ import enum
 import html
 import json
 import re
+import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from . import _engine
-from ._input import sample
+from ._input import sample, unit_of
 
 Flag = enum.IntFlag("Flag", {name.upper().replace("-", "_"): bit for bit, name, _ in _engine.flags()})
 Flag.__doc__ = "What a user of a source should know about it:\n\n" + "\n".join(
@@ -62,11 +63,15 @@ class Segmentation:
         self.front = found["front"]
         self.background = found["background"]
         self.noise = found["noise"]
+        # The catalogue is measured on them when it is asked for; changed labels it would notice.
+        for plane in (self.front, self.background, self.noise):
+            if plane is not None:
+                plane.flags.writeable = False
         self.stages = found.get("stages", {})
         self.convergence = found["convergence"]
-        self.warnings = [in_python(text) for text in found["warnings"]]
+        self.warnings = told(map(in_python, found["warnings"]))
         self.summary = summarised(json.loads(found["summary"]), image, self.warnings)
-        self._columns = found["columns"]
+        self._sources = found["sources"]
         self._neighbours = found["connectivity"]
         self._table = self._outlines = None
 
@@ -74,9 +79,14 @@ class Segmentation:
     def catalogue(self):
         """One row per source: an astropy QTable where astropy is installed, else a structured array.
 
-        Positions count from 1, as in FITS; all columns are described by `skyfront.columns()`."""
+        It is measured when it is first asked for. Positions count from 1, as in FITS; all columns are
+        described by `skyfront.columns()`."""
         if self._table is None:
-            self._table = table(self._columns, self.summary)
+            sky = [None if plane is None else (plane, False) for plane in (self.background, self.noise)]
+            columns, settings, notes = self._sources.measure(self._labels, *sky)
+            told(map(in_python, notes))
+            self.summary["measuring"] = json.loads(settings)
+            self._table, self._sources = table(columns, self.summary), None
         return self._table
 
     @property
@@ -127,16 +137,24 @@ class Segmentation:
         )
 
 
+def told(notes):
+    """Warns of what must be known; gives it back as a list."""
+    notes = list(notes)
+    for text in notes:
+        warnings.warn(text, SkyfrontWarning, stacklevel=4)
+    return notes
+
+
 def in_python(text):
     """A message with options as keywords."""
     return re.sub(r"--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
 
 
-def summarised(summary, image, warnings):
+def summarised(summary, image, notes):
     """The command line's summary of an array: there is no file."""
     height, width = image.pixels.shape
     summary["input"] = {"dtype": image.pixels.dtype.name, "unit": None if image.unit is None else str(image.unit)}
-    summary["result_warnings"] = warnings
+    summary["result_warnings"] = notes
     return summary
 
 
@@ -154,7 +172,7 @@ def table(columns, summary):
     for name, unit, description, values in columns:
         # A quantity would turn numbers of pixels into reals.
         if unit and values.dtype.kind == "f":
-            made[name] = units.Quantity(values, units.Unit(unit, format="fits", parse_strict="silent"), copy=False)
+            made[name] = units.Quantity(values, unit_of(unit), copy=False)
         else:
             made[name] = Column(values, copy=False)
         made[name].info.description = description

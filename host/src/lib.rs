@@ -9,6 +9,8 @@ pub mod arithmetics;
 mod avx2;
 pub mod background;
 pub mod catalogue;
+pub mod choices;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod crosscheck;
 pub mod extraction;
@@ -32,6 +34,7 @@ pub mod remarks;
 pub mod report;
 pub mod reproduce;
 pub mod score;
+pub mod settings;
 pub mod sky;
 pub mod summary;
 pub mod truth;

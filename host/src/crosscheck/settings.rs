@@ -4,7 +4,6 @@ use crate::provenance::shortest as decimal;
 use crate::reference as r;
 use crate::reference::noise_aware::Settings;
 use skyfront_core::config as c;
-use skyfront_core::config::detection::Detection;
 
 /// The same run for the reference. An `f32` of the configuration stands for the decimal number that a person would
 /// have typed for it: 0.1 is 0.1, not the binary fraction nearest to it.
@@ -73,22 +72,22 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
 }
 
 /// The same for the default.
-pub fn settings(detection: &Detection) -> Settings {
+pub fn settings(config: &c::Config) -> Settings {
     Settings {
-        threshold: decimal(detection.outline),
-        steps: detection.front_steps,
-        curvature: decimal(detection.curvature),
-        peak: decimal(detection.peak),
-        false_sources: decimal(detection.false_sources),
-        false_share: decimal(detection.false_share),
-        branch: decimal(detection.branch),
-        contrast: decimal(detection.contrast),
-        light: decimal(detection.light),
-        min_area: detection.min_area as usize,
-        excess: decimal(detection.excess),
-        reopened_area: detection.reopened_area as usize,
-        sharpening: decimal(detection.sharpening),
-        connectivity: connectivity(detection.connectivity),
+        threshold: decimal(config.outline.threshold),
+        steps: config.outline.steps,
+        curvature: decimal(config.outline.curvature),
+        peak: decimal(config.significance.peak),
+        false_sources: decimal(config.significance.false_sources),
+        false_share: decimal(config.significance.false_share),
+        branch: decimal(config.deblending.branch),
+        contrast: decimal(config.deblending.contrast),
+        light: decimal(config.significance.light),
+        min_area: config.min_area as usize,
+        excess: decimal(config.deblending.excess),
+        reopened_area: config.deblending.reopened_area as usize,
+        sharpening: decimal(config.deblending.sharpening),
+        connectivity: connectivity(config.connectivity),
     }
 }
 

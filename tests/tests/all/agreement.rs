@@ -4,11 +4,11 @@
 //! Simulated skies of high and low signal to noise and of stars, as the paper would segment them.
 
 use skyfront::crosscheck::settings;
-use skyfront::detection::segment;
+use skyfront::extraction;
 use skyfront::pipeline::Drive;
 use skyfront::reference::noise_aware::run;
-use skyfront_core::config::Scheme;
-use skyfront_core::config::detection::Detection;
+use skyfront_core::arithmetic::F32;
+use skyfront_core::config::{Config, Scheme};
 use skyfront_core::simulate::Kind;
 use skyfront_tests::agreement::Agreement;
 use skyfront_tests::captions::{CAPTIONS, RESCALINGS, paper};
@@ -79,8 +79,9 @@ fn the_default() {
     for (kind, seed) in [(Kind::Bright, 3), (Kind::Noisy, 4), (Kind::Noisy, 5), (Kind::Stars, 6)] {
         let pixels = sky(kind, seed, SIDE, SIDE);
         let wide: Vec<f64> = pixels.iter().map(|&pixel| pixel.into()).collect();
-        let reference = run(&settings(&Detection::DEFAULT), &wide, SIDE).expect("a sky");
-        let core = segment::<f32>(&Detection::DEFAULT, &pixels, SIDE, &Drive::default()).expect("a sky");
+        let reference = run(&settings(&Config::NOISE_AWARE), &wide, SIDE).expect("a sky");
+        let core =
+            extraction::segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut Drive::default()).expect("a sky");
         let differ = core.labels.iter().zip(&reference.labels).filter(|(a, b)| a != b).count();
         println!("{kind:?} {seed}: {} sources, {differ} pixels", reference.sources);
         assert!(reference.sources > 0 && core.outcome.sources == reference.sources && differ <= 2, "{kind:?} {seed}");

@@ -6,13 +6,13 @@ use skyfront::reference::noise_aware::{
     Facts, Judge, Mesh, Region, Regions, Seen, Settings, Tail, compete, connect, photon_noise, smoothed, start, step,
     straighten, tree, without_spikes,
 };
-use skyfront_core::config::detection::Detection;
+use skyfront_core::config::Config;
 use skyfront_tests::noise::gaussian;
 
 const SIDE: usize = 192;
 
 fn asked() -> Settings {
-    settings(&Detection::DEFAULT)
+    settings(&Config::NOISE_AWARE)
 }
 
 fn sky(seed: u64, pixel: impl Fn(usize, usize, f64) -> f64) -> Vec<f64> {

@@ -3,13 +3,13 @@
 use crate::pipeline::{Drive, Segmentation, segment, segment_in};
 use crate::read::Image;
 use crate::{extraction, nothing};
-use clap::ValueEnum;
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Q11, Q24};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 
 /// Named settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Preset {
     /// Sky and noise from the image, sources by their significance, one setting for every sky.
     #[default]
@@ -26,6 +26,21 @@ pub enum Preset {
 }
 
 impl Preset {
+    /// Every preset, the default first.
+    pub const ALL: [Preset; 5] =
+        [Preset::NoiseAware, Preset::Rsa, Preset::PaperF160, Preset::PaperReal, Preset::ChanVese];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Preset::NoiseAware => "noise-aware",
+            Preset::Rsa => "rsa",
+            Preset::PaperF160 => "paper-f160",
+            Preset::PaperReal => "paper-real",
+            Preset::ChanVese => "chan-vese",
+        }
+    }
+
     /// Its settings.
     pub fn config(self) -> Config {
         match self {
@@ -39,7 +54,8 @@ impl Preset {
 }
 
 /// `--arithmetic`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum ArithmeticOption {
     /// IEEE 754 single precision, 8 bytes per pixel.
     #[default]
@@ -51,6 +67,15 @@ pub enum ArithmeticOption {
 }
 
 impl ArithmeticOption {
+    /// Every arithmetic, the default first.
+    pub const ALL: [ArithmeticOption; 3] = [ArithmeticOption::F32, ArithmeticOption::Q24, ArithmeticOption::Q11];
+
+    /// The configuration in a band where the arithmetic cannot do without, unless the user has a `band` of their own.
+    pub fn adapted(self, config: Config, band: bool) -> Config {
+        let needed = if self == ArithmeticOption::Q11 && !band { Q11::NEEDS_BAND } else { None };
+        Config { band: config.band.or(needed), ..config }
+    }
+
     /// Checks a configuration for this arithmetic.
     ///
     /// # Errors
@@ -88,5 +113,25 @@ impl ArithmeticOption {
             (ArithmeticOption::Q11, _) => (segment_in::<Q11>(config, pixels, width, height, drive), Q11::NAME),
         };
         run.or_else(|refused| nothing::found(refused, image, name, drive))
+    }
+}
+
+#[cfg(all(test, feature = "cli"))]
+mod tests {
+    use super::*;
+    use crate::input::WeightType;
+    use crate::measure::Neighbours;
+    use clap::ValueEnum;
+
+    #[test]
+    fn names_are_those_of_the_command_line() {
+        fn names<V: ValueEnum>() -> Vec<String> {
+            let values = V::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+            values.map(|value| value.get_name().to_owned()).collect()
+        }
+        assert_eq!(names::<Preset>(), Preset::ALL.map(Preset::name));
+        assert_eq!(names::<WeightType>(), WeightType::ALL.map(WeightType::name));
+        assert_eq!(names::<Neighbours>(), Neighbours::ALL.map(Neighbours::name));
+        assert_eq!(names::<ArithmeticOption>(), ArithmeticOption::ALL.map(ArithmeticOption::name));
     }
 }

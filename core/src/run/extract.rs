@@ -277,7 +277,7 @@ fn smoothed<'w, L: Level>(filter: Filter, work: &'w Workspace<'_, L>) -> &'w [L]
     match filter {
         Filter::Gauss => work.fine,
         Filter::Adaptive => work.smooth,
-        Filter::None | Filter::Heat | Filter::PeronaMalik { .. } => work.signal,
+        _ => work.signal,
     }
 }
 

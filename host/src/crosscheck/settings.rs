@@ -112,6 +112,7 @@ fn filter(config: &c::Config) -> r::Filter {
     match config.filter {
         c::Filter::None | c::Filter::Gauss | c::Filter::Adaptive => r::Filter::None,
         c::Filter::Heat => r::Filter::Heat { steps, dt },
+        c::Filter::Median => r::Filter::Median { steps },
         c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
             f: match diffusivity {
                 c::Diffusivity::F1 => r::Diffusivity::F1,

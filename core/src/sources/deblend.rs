@@ -160,7 +160,7 @@ fn gather<S: PartialOrd>(
     while next < end {
         let at = queue.get(next).map_or(0, |&at| at as usize);
         next += 1;
-        for near in grid.neighbours(at).take(connectivity.neighbours()) {
+        for near in grid.touching(at, connectivity.neighbours()) {
             let label = label_at(labels, near);
             if label == open {
                 end = take(near, labels, queue);
@@ -232,7 +232,7 @@ pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Reg
                 continue;
             }
             let mut best = own;
-            for near in field.grid.neighbours(at).take(4) {
+            for near in field.grid.touching(at, 4) {
                 let other = label_at(labels, near);
                 if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
                     continue;

@@ -131,7 +131,7 @@ pub fn grow<L: Level>(
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
-        for near in field.grid.neighbours(at).take(config.connectivity.neighbours()) {
+        for near in field.grid.touching(at, config.connectivity.neighbours()) {
             if parents.get(near).is_none_or(|&parent| parent == NONE) {
                 continue;
             }

@@ -11,6 +11,8 @@ pub enum Normalize {
     Percentile(f64, f64),
     /// The sky minus and plus so many standard deviations of its noise; levels beyond them are clipped.
     Noise(f64, f64),
+    /// The same of signal-to-noise, whose sky is 0 and whose noise is 1.
+    Signal(f64, f64),
 }
 
 /// Rescaling function of step 2.

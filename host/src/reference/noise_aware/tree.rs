@@ -2,7 +2,8 @@
 
 use super::light::{mirrored, place, vertex};
 use super::photon::grown;
-use super::{Judge, Plane, Settings, neighbours};
+use super::super::segments::label;
+use super::{Connectivity, Judge, Plane, Settings, neighbours};
 
 /// What may become a source.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +55,14 @@ impl Regions {
     }
 }
 
-/// The regions of the pixels `inside`.
+/// The connected components of the pixels `inside`.
+pub fn components(inside: &[bool], width: usize, connectivity: Connectivity) -> Regions {
+    let (labels, count) = label(inside, width, connectivity, 1);
+    let blank = Region { peak: 0, value: 0.0, area: 0, sum: 0.0, centre: (0.0, 0.0), plateau: false, divided: None };
+    Regions { labels, table: vec![blank; count as usize] }
+}
+
+/// The parts of the pixels `inside`.
 pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, judge: &Judge) -> Regions {
     let (width, height, values) = (image.width(), image.height(), image.values());
     let mut order: Vec<usize> = (0..values.len()).filter(|&at| inside[at]).collect();

@@ -2,7 +2,7 @@
 //! doi:10.1051/0004-6361/201936561).
 
 use crate::read::{Header, Image};
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 
 /// Objects that own fewer pixels are none.

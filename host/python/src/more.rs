@@ -12,7 +12,7 @@ use pyo3::types::{PyBytes, PyList};
 use skyfront::outline::rings;
 use skyfront::picture::overlay;
 use skyfront::{score as measures, truth};
-use skyfront_core::catalog::Source;
+use skyfront_core::sources::catalog::Source;
 use skyfront_core::config::Connectivity;
 use skyfront_core::simulate::Kind;
 

@@ -16,7 +16,7 @@ use skyfront::pipeline::{Drive, Segmentation, StagePlanes};
 use skyfront::planes::can_be_had;
 use skyfront::summary::{label_digest, summary};
 use skyfront_core::config::Connectivity;
-use skyfront_core::outcome::Progress;
+use skyfront_core::run::outcome::Progress;
 use std::mem::take;
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@ use skyfront::input::WeightType;
 use skyfront::measure::Neighbours;
 use skyfront::settings::{self, words};
 use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter};
-use skyfront_core::flags::FLAGS;
+use skyfront_core::sources::flags::FLAGS;
 
 /// Every setting of a run, in the order of the steps.
 #[pyfunction]

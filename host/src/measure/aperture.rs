@@ -3,7 +3,7 @@
 use super::overlap::circle_polygon;
 use super::scene::{Light, Spot};
 use super::{Flux, Scene};
-use skyfront_core::flags;
+use skyfront_core::sources::flags;
 
 /// No point of a pixel is farther from its centre.
 pub(super) const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;

@@ -74,6 +74,8 @@ pub enum Error<E = core::convert::Infallible> {
     /// The configuration's method is significance: that is [`crate::run::detect::detect`], no front of a
     /// [`crate::run::segmenter::Segmenter`].
     Method,
+    /// The frame is a part of an image whose other parts have yet to answer (see [`crate::plane::part`]).
+    Waiting,
     /// The memory between two polls is not what the pipeline left there.
     Corrupted {
         /// Which plane or table.
@@ -98,6 +100,7 @@ impl<E> Error<E> {
             Error::NoNoise { value, equal, defined } => Error::NoNoise { value, equal, defined },
             Error::Arithmetic { name, reason } => Error::Arithmetic { name, reason },
             Error::Method => Error::Method,
+            Error::Waiting => Error::Waiting,
             Error::Corrupted { name } => Error::Corrupted { name },
             Error::Frame(error) => Error::Frame(frame(error)),
         }
@@ -133,6 +136,7 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
             }
             Error::Arithmetic { name, reason } => write!(f, "arithmetic {name}: {reason}"),
             Error::Method => f.write_str("the method is significance, which is `detect`; a segmenter moves a front"),
+            Error::Waiting => f.write_str("the other parts of the image have yet to answer"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),
             Error::Frame(error) => write!(f, "reading the frame: {error}"),
         }

@@ -8,6 +8,7 @@ use skyfront_core::arithmetic::Level;
 use skyfront_core::config::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
+use skyfront_core::plane::part::Whole;
 use skyfront_core::run::detect::{Known, Workspace, detect, regions};
 use skyfront_core::run::outcome::Outcome;
 use skyfront_core::run::stage::Stage;
@@ -55,7 +56,9 @@ pub fn segment<L: Level>(
     let height = count / width.max(1);
     let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
     let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
-    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height)];
+    let (image, origin) =
+        drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
+    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(image.0, image.1)];
     let mut table = vec![Region::<L>::BLANK; regions(width, height)];
     let mut work = Workspace {
         signal: &mut signal,
@@ -70,11 +73,12 @@ pub fn segment<L: Level>(
         mesh: &mut mesh,
         regions: &mut table,
     };
-    let known = Known { background: drive.background, noise: drive.noise, relative: drive.relative };
+    let known =
+        Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
     let found = detect(pixels, width, &known, detection, &mut work)?;
     let [smooth, front, masked] = [smooth, front, masked].map(in_f32);
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
-    let mut sky = SkyMaps::of(&Mesh::over(&mut mesh, (width, height)), width, [fine, scratch].map(in_f32));
+    let mut sky = SkyMaps::of(&Mesh::over(&mut mesh, image), width, origin, [fine, scratch].map(in_f32));
     // Nothing is measured in what was never observed.
     sky.noise
         .iter_mut()
@@ -134,7 +138,7 @@ pub fn segment<L: Level>(
         outcome,
         sky: Some(sky),
         seconds: vec![(Stage::Measure, started.elapsed())],
-        remarks: remarks::on(&found, count),
+        remarks: remarks::on(&found, image.0 * image.1),
     })
 }
 

@@ -16,6 +16,7 @@ use crate::error::Error;
 use crate::front::outline::Front;
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
+use crate::plane::part::{Part, Question, Whole};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{self, Keys};
 use crate::sky::photon;
@@ -82,6 +83,8 @@ pub struct Known<'a> {
     /// Whether `noise` says only which pixels are noisier than others, as weight maps do: it is
     /// then multiplied by one factor, so that it agrees with the noise that is measured.
     pub relative: bool,
+    /// The image that the frame is a part of, which knows what depends on all of it.
+    pub whole: Option<&'a dyn Whole>,
 }
 
 impl Known<'_> {
@@ -147,6 +150,7 @@ pub fn detect<L: Level>(
     setting.validate()?;
     let grid = check(count, width, known, work)?;
     let view = View::of(pixels, grid, known, Keys(work.parents, work.order));
+    answered(known)?;
     if view.values.defined == 0 {
         return Err(Error::NothingDefined { pixels: count });
     }
@@ -155,15 +159,23 @@ pub fn detect<L: Level>(
     work.mesh.fill(Sky::UNKNOWN);
     let mut fine = Tail { noise: L::ONE, skewness: 0.0 };
     let mut survey = Survey::default();
+    let first = first_round(known);
     for round in 0..=ROUNDS {
-        survey = signal::measure(&view, work).ok_or_else(|| no_noise(&view, work))?;
-        fine = signal::smooth(&view, work);
+        if round < first {
+            signal::remember(&view, work, round);
+            continue;
+        }
+        survey = signal::measure(&view, work, round).ok_or_else(|| no_noise(&view, work))?;
+        answered(known)?;
+        fine = signal::smooth(&view, work, round);
+        answered(known)?;
         if round < ROUNDS {
             signal::mask_sources(&view, L::of(setting.outline), fine.height(MASKED_PEAK), work);
         }
     }
     let field = Field { values: work.signal, grid };
-    let photon = photon::slope(field, work.fine, work.masked, Keys(work.parents, work.order));
+    let photon = photon::slope(known.whole, field, work.fine, work.masked, Keys(work.parents, work.order));
+    answered(known)?;
     let front = Front {
         threshold: L::of(setting.outline),
         curvature: L::Weight::of(setting.curvature),
@@ -171,11 +183,28 @@ pub fn detect<L: Level>(
     };
     work.front.iter_mut().zip(work.smooth.iter()).for_each(|(front, &smooth)| *front = smooth);
     front.outline(work.fine, work.front, work.scratch, grid);
-    let unlabelled = separate(&view, (fine.noise, photon), setting, work);
+    let unlabelled = separate(&view, (fine.noise, photon), setting, work)?;
     drop_undefined(&view, work.labels);
     let (significance, least) = cut(&view, setting, work);
+    answered(known)?;
     let (sources, mask_pixels) = keep(setting, least, work);
     Ok(Found { sources, mask_pixels, unlabelled, significance, photon, values: view.values, survey })
+}
+
+/// Whether all parts of the image have answered what was asked.
+fn answered(known: &Known<'_>) -> Result<(), Error> {
+    if known.whole.is_some_and(Whole::is_waiting) { Err(Error::Waiting) } else { Ok(()) }
+}
+
+/// The first round of the sky that must be gone through: of those before, the answers are enough. A round needs the
+/// mask of the one before it.
+fn first_round(known: &Known<'_>) -> u32 {
+    let Some(whole) = known.whole else { return 0 };
+    if whole.knows(Question::Peaks) {
+        return ROUNDS;
+    }
+    let open = (0..ROUNDS).find(|&round| !whole.knows(Question::Details(round)));
+    open.unwrap_or(ROUNDS).saturating_sub(1)
 }
 
 /// Why there is nothing to divide the signal by.
@@ -205,7 +234,8 @@ fn check<L: Level>(count: usize, width: usize, known: &Known<'_>, work: &mut Wor
         let reason = "the places of its pixels have 16 bits: no side may be longer than 65536 pixels";
         return Err(Error::Arithmetic { name: L::NAME, reason });
     }
-    let needed = mesh_cells(width, grid.height);
+    let (columns, rows) = known.whole.map_or((width, grid.height), |whole| whole.part().image);
+    let needed = mesh_cells(columns, rows);
     if work.mesh.len() < needed {
         return Err(Error::Length { name: "the mesh", given: work.mesh.len(), needed });
     }
@@ -225,7 +255,7 @@ fn separate<L: Level>(
     (noise, photon): (L, f32),
     setting: &Detection,
     work: &mut Workspace<'_, L>,
-) -> u32 {
+) -> Result<u32, Error> {
     let [_, _, sharpness, ..] = SCALES;
     let grid = view.grid;
     Weights::gauss(sharpness).sharpen(work.fine, work.scratch, grid, setting.sharpening);
@@ -265,7 +295,8 @@ fn separate<L: Level>(
     let light = Field { values: work.smooth, grid };
     centre_on_light([field, light], work.labels, work.regions, (noise, photon));
     let regions = work.regions.get(..count).unwrap_or(&[]);
-    let typical = Typical::of(field, noise, regions, (work.parents, work.order));
+    let typical = Typical::of(view.known.whole, field, noise, regions, (work.parents, work.order));
+    answered(view.known)?;
     for _ in 0..2 {
         let (now, more) =
             reopen((field, typical), (noise, photon), work.labels, work.order, work.regions, count, setting);
@@ -274,22 +305,38 @@ fn separate<L: Level>(
     compete(field, work.labels, work.regions, 2);
     straighten(work.labels, work.order, grid, 2);
     connect(grid, work.labels, work.order, work.regions);
-    left_out
+    Ok(left_out)
 }
 
 /// The cut on the peak in the matched image: in units of its noise, and of the signal.
 fn cut<L: Level>(view: &View<'_>, setting: &Detection, work: &mut Workspace<'_, L>) -> (f32, L) {
-    let ([.., scale, wide], grid, piled) = (SCALES, view.grid, view.values.piled);
+    let ([.., scale, wide], grid, whole) = (SCALES, view.grid, view.known.whole);
     Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
     Weights::gauss(wide).sharpen(work.fine, work.scratch, grid, MATCHED_SHARPENING);
     let matched = |at: usize| work.fine.get(at).copied().unwrap_or(L::ZERO);
-    let tail = Tail::measure(matched, work.masked, piled, Keys(work.parents, work.order));
+    let questions = [Question::Matched, Question::MatchedPowers];
+    let tail = view.tail(questions, matched, work.masked, Keys(work.parents, work.order));
     let matched_noise = tail.noise.to_f32();
-    let step = |at: usize| matched(at + 1) - matched(at);
-    let slope = Tail::measure(step, work.masked, piled, Keys(work.parents, work.order)).noise.to_f32();
+    // The last of a row has no next one: its step is back.
+    let next = |at: usize| if (at + 1).is_multiple_of(grid.width.get()) { at.wrapping_sub(1) } else { at + 1 };
+    let step = |at: usize| matched(next(at)) - matched(at);
+    let questions = [Question::Slope, Question::SlopePowers];
+    let slope = view.tail(questions, step, work.masked, Keys(work.parents, work.order)).noise.to_f32();
     let roughness = if matched_noise > 0.0 { slope / matched_noise } else { 0.0 };
-    let elements = work.signal.len() as f32 * roughness * roughness;
+    let (columns, rows) = view.image();
+    let elements = (columns * rows) as f32 * roughness * roughness;
     sum_up(work);
+    let peaks = match whole {
+        None => None,
+        Some(whole) => {
+            mark_own(&whole.part(), grid, work);
+            let own =
+                work.regions.iter().filter(|region| region.label == OWN && is_source(region, setting, region.value));
+            let peaks = whole.words(Question::Peaks, &mut own.map(|region| region.value.key())).unwrap_or(&[]);
+            work.regions.iter_mut().for_each(|region| region.label = 0);
+            Some(peaks)
+        }
+    };
     let floor = setting.peak * setting.outline;
     let (mut allowed, mut result) = (setting.false_sources, (0.0, L::of(floor)));
     for _ in 0..CUTS {
@@ -297,11 +344,29 @@ fn cut<L: Level>(view: &View<'_>, setting: &Detection, work: &mut Workspace<'_, 
         let least = significance * matched_noise;
         let least = L::of(if least > floor { least } else { floor });
         result = (significance, least);
-        let kept = work.regions.iter().filter(|region| is_source(region, setting, least)).count();
+        let kept = match peaks {
+            None => work.regions.iter().filter(|region| is_source(region, setting, least)).count(),
+            Some(peaks) => peaks.len() - peaks.partition_point(|&key| key < least.key()),
+        };
         let share = setting.false_share * kept as f32;
         allowed = if share > allowed { share } else { allowed };
     }
     result
+}
+
+/// Marks of a region whose first pixel is the part's own, and of another.
+const OWN: u32 = 1;
+const FOREIGN: u32 = 2;
+
+/// Marks in place of its label to whom a region belongs: to the part that has its first pixel.
+fn mark_own<L: Level>(part: &Part, grid: Grid, work: &mut Workspace<'_, L>) {
+    for (at, &label) in work.labels.iter().enumerate() {
+        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1))
+            && region.label == 0
+        {
+            region.label = if part.owns(grid.place(at)) { OWN } else { FOREIGN };
+        }
+    }
 }
 
 /// Area, light and matched peak of every region, from its pixels.

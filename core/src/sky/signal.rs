@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::grid::Grid;
+use crate::plane::part::{self, Question, Whole};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
 use crate::run::detect::{Known, SCALES, Workspace};
@@ -28,8 +29,27 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// Looks at a frame.
     pub fn of(pixels: &'a [f32], grid: Grid, known: &'a Known<'a>, keys: Keys<'_>) -> View<'a> {
-        let values = Values::measure(pixels, grid.width.get(), |at| known.allows(at), keys);
-        View { pixels, grid, known, values }
+        let values = Values::asked(known.whole, pixels, grid.width.get(), |at| known.allows(at), keys);
+        View { pixels, grid, known, values: values.unwrap_or(Values::UNKNOWN) }
+    }
+
+    /// Columns and rows of the image that the frame is, or is a part of.
+    pub fn image(&self) -> (usize, usize) {
+        self.known.whole.map_or((self.grid.width.get(), self.grid.height), |whole| whole.part().image)
+    }
+
+    /// The tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
+    /// have yet to answer.
+    pub fn tail<L: Level>(
+        &self,
+        questions: [Question; 2],
+        value: impl Fn(usize) -> L,
+        masked: &[L],
+        keys: Keys<'_>,
+    ) -> Tail<L> {
+        let whole = self.known.whole.map(|whole| (whole, questions));
+        let tail = Tail::asked(whole, self.grid.width.get(), value, masked, self.values.piled, keys);
+        tail.unwrap_or(Tail { noise: L::ONE, skewness: 0.0 })
     }
 
     /// Whether a pixel is an observation that may be used.
@@ -55,7 +75,7 @@ impl<'a> View<'a> {
 /// Signal-to-noise of every pixel, spikes replaced; an undefined pixel has the mean of the two
 /// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
 /// to divide by.
-pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Option<Survey> {
+pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u32) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = Keys(work.parents, work.order);
@@ -65,15 +85,27 @@ pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Option
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
     };
-    let mut mesh = Mesh::over(work.mesh, (width, grid.height));
-    let survey = mesh.measure(pixels, seen, &values, keys.again());
-    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
+    let mut mesh = Mesh::over(work.mesh, view.image());
+    let survey = match known.whole {
+        None => mesh.measure(pixels, seen, &values, keys.again()),
+        // Nothing can be done before it is known.
+        Some(whole) => {
+            let survey = mesh.asked((whole, round), (pixels, width), seen, &values, keys.again());
+            if whole.is_waiting() {
+                return Some(Survey::default());
+            }
+            survey?
+        }
+    };
+    let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
+    let sky_at = |at: usize| mesh.at(left + at % grid.width, bottom + at / grid.width);
     let mut factor = 1.0;
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(ratio, pixels.len(), keys);
+        factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
     }
-    let mut noise_seen = false;
+    // A part may have no pixel, where the image has.
+    let mut noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
     for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
         let sky = sky_at(at);
         let level = Known::value(known.background, at).unwrap_or(sky.level);
@@ -94,6 +126,16 @@ pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Option
     noise_seen.then_some(survey)
 }
 
+/// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
+pub fn remember<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u32) {
+    if let Some(whole) = view.known.whole {
+        let pixels = (view.pixels, view.grid.width.get());
+        let keys = Keys(work.parents, work.order);
+        let mut mesh = Mesh::over(work.mesh, view.image());
+        mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, keys);
+    }
+}
+
 /// Gives undefined pixels between two defined ones their mean.
 fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
     let half = L::Weight::of(0.5);
@@ -107,23 +149,33 @@ fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
 }
 
 /// The median of the positive values of a sample; 1 where there are none.
-fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
-    let positive = |value: &f32| value.is_finite() && *value > 0.0;
-    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
-    if sorted.is_empty() { 1.0 } else { median(sorted) }
+fn typical(
+    whole: Option<(&dyn Whole, Question)>,
+    value: impl Fn(usize) -> f32,
+    count: usize,
+    width: usize,
+    mut keys: Keys<'_>,
+) -> f32 {
+    let positive = |at: usize| Some(value(at)).filter(|value| value.is_finite() && *value > 0.0);
+    match part::sorted(whole, (count, width, true), &mut keys, positive) {
+        Some(sorted) if !sorted.is_empty() => median(sorted),
+        _ => 1.0,
+    }
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Tail<L> {
-    let (grid, piled) = (view.grid, view.values.piled);
+pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u32) -> Tail<L> {
+    let grid = view.grid;
     let [scale, ..] = SCALES;
     Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
-    let tail = Tail::measure(|at| value(fine, at), work.masked, piled, Keys(work.parents, work.order));
+    let questions = [Question::Fine(round), Question::FinePowers(round)];
+    let tail = view.tail(questions, |at| value(fine, at), work.masked, Keys(work.parents, work.order));
     Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let details = Tail::measure(detail, work.masked, piled, Keys(work.parents, work.order));
+    let questions = [Question::Details(round), Question::DetailPowers(round)];
+    let details = view.tail(questions, detail, work.masked, Keys(work.parents, work.order));
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
         if (fine - *smooth).magnitude() >= least {

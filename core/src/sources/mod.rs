@@ -10,4 +10,4 @@ pub mod label;
 pub(crate) mod pieces;
 pub mod significance;
 pub mod tree;
-pub(crate) mod typical;
+pub mod typical;

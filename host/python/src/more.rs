@@ -12,9 +12,9 @@ use pyo3::types::{PyBytes, PyList};
 use skyfront::outline::rings;
 use skyfront::picture::overlay;
 use skyfront::{score as measures, truth};
-use skyfront_core::sources::catalog::Source;
 use skyfront_core::config::Connectivity;
 use skyfront_core::simulate::Kind;
+use skyfront_core::sources::catalog::Source;
 
 /// The measures of a label map against the truth, as JSON.
 #[pyfunction]

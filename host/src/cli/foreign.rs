@@ -22,7 +22,6 @@ pub fn translated(error: Error, line: &[OsString]) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::cli::command;
     use crate::settings::NAMES;
 

@@ -87,6 +87,8 @@ def segment(image, *, depth=None, wcs=None, **keywords):
         raise TypeError("image: a Dask array of two axes is wanted")
     if any(np.isnan(length) for lengths in image.chunks for length in lengths):
         raise ValueError("image: the sizes of its chunks are not known; compute_chunk_sizes() finds them")
+    if keywords.get("weight_type") == "weight":
+        raise option_error("weight_type", "in chunks it must be rms or variance: such weights are scaled to an image")
     keywords.setdefault("threads", 1)
     parts = _parts(image, _depth(image.shape, depth))
     maps = {name: keywords.pop(name) for name in ("mask", "background", "noise", "weight") if name in keywords}
@@ -269,7 +271,8 @@ def _joined(image, parts, finals):
 
 
 def _rows(facts, root, disputed):
-    """All rows, and for every source the row that stands for it: its owner's, or that of its largest piece."""
+    """All rows, and for every source the row that stands for it: its owner's, or of one cut off that of its largest
+    piece."""
     names = [(name, unit, text) for name, unit, text, _ in facts[0]["columns"]]
     values = [np.concatenate([own["columns"][at][3] for own in facts]) for at in range(len(names))]
     ids = [root(int(number)) for own in facts for number in own["ids"][own["rows"]]]
@@ -277,11 +280,12 @@ def _rows(facts, root, disputed):
     clipped = np.concatenate([own["clipped"] for own in facts])
     by_name = {name: at for at, (name, _, _) in enumerate(names)}
     beyond = values[by_name["beyond_halo"]]
+    area = values[by_name["area"]] if "area" in by_name else np.zeros(len(ids))
     beyond |= clipped
     beyond |= np.array([number in disputed for number in ids], bool)
     chosen = {}
     for row, number in enumerate(ids):
-        rank = (owned[row] and not beyond[row], owned[row], -row)
+        rank = (owned[row] and not beyond[row], area[row], owned[row], -row)
         if number not in chosen or rank > chosen[number][0]:
             chosen[number] = (rank, row)
     columns = [(*name, value) for name, value in zip(names, values)]
@@ -294,3 +298,125 @@ def _table(columns, rows):
     for name, unit, text, values in columns:
         made.append((name, unit, text, np.arange(1, len(rows) + 1) if name == "label" else values[rows]))
     return made
+
+
+def catalogue(files, folder, *, hdu=None, retry=False, **keywords):
+    """Segments many files, each into a catalogue and a label map of its own in a folder.
+
+    Parameters
+    ----------
+    files : iterable of paths
+        FITS images.
+    folder : path
+        For the results, which all workers can write to: `NAME.ecsv` and `NAME.labels.fits`, by the name of the file,
+        and `NAME.json`, which says how it went. What is there from the same file and the same keywords is not
+        made again.
+    hdu : int or str
+        The image in each file; not given, the first of two axes.
+    retry : bool
+        Whether to try again what failed before.
+    **keywords
+        Those of `skyfront.segment`. `threads` is 1 unless it is given.
+
+    Returns
+    -------
+    list of dict
+        One for each file, in order: `file`, `status` (`done` or `failed`), `error`, `n_sources`, `seconds`,
+        `catalogue`, `labels` (paths) and `kept`, whether it was there already. A file that fails stops no other.
+    """
+    keywords.setdefault("threads", 1)
+    folder = pathlib.Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [pathlib.Path(file) for file in files]
+    names = _names(paths)
+    frame = dask.delayed(_frame, pure=False)
+    return list(dask.compute(*[frame(path, folder / name, hdu, retry, keywords) for path, name in zip(paths, names)]))
+
+
+def _names(paths):
+    """A name for the results of each file; files of one name are told apart by their folders."""
+    stems = [path.name.removesuffix(".gz").removesuffix(".fz").rsplit(".", 1)[0] for path in paths]
+    unique = [
+        stem if stems.count(stem) == 1 else f"{stem}-{hashlib.sha256(os.fsencode(path.absolute())).hexdigest()[:8]}"
+        for stem, path in zip(stems, paths)
+    ]
+    twice = {str(path) for path, name in zip(paths, unique) if unique.count(name) > 1}
+    if twice:
+        raise ValueError(f"files: {', '.join(sorted(twice))} stand there more than once")
+    return unique
+
+
+def _key(path, hdu, keywords):
+    """By what a result is known again: the file, the keywords and the version."""
+    about = path.stat()
+    arrays = {
+        name: hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest() if hasattr(value, "shape") else value
+        for name, value in sorted(keywords.items())
+    }
+    return [str(path.absolute()), about.st_size, about.st_mtime_ns, repr(hdu), repr(arrays), _engine.__version__]
+
+
+def _frame(path, target, hdu, retry, keywords):
+    """One file: its row, as it is written beside its results."""
+    record, began = target.with_name(target.name + ".json"), time.time()
+    row = {"file": str(path), "status": "failed", "error": "", "n_sources": 0, "seconds": 0.0, "catalogue": "", "labels": ""}
+    try:
+        row["key"] = _key(path, hdu, keywords)
+        known = _known(record, row["key"], retry)
+        if known is not None:
+            return dict(known, kept=True)
+        row.update(_segmented(path, target, hdu, keywords), status="done")
+    except Exception as error:
+        reason = "".join(traceback.format_exception_only(error)).strip()
+        row["error"] = f"{path}: {reason}"
+    row["seconds"] = time.time() - began
+    _write(record, lambda path: path.write_text(json.dumps(row)))
+    return dict(row, kept=False)
+
+
+def _known(record, key, retry):
+    """What an earlier run of the same file left."""
+    try:
+        known = json.loads(record.read_text())
+    except (OSError, ValueError):
+        return None
+    if known.get("key") != key or (retry and known["status"] == "failed"):
+        return None
+    there = all(os.path.exists(known[name]) for name in ("catalogue", "labels") if known[name])
+    return known if there else None
+
+
+def _segmented(path, target, hdu, keywords):
+    """Segments a file and writes what it gives."""
+    from astropy.io import fits
+
+    with fits.open(path, memmap=False) as hdus:
+        image = hdus[hdu] if hdu is not None else _first_image(hdus)
+        with warnings.catch_warnings(record=True) as notes:
+            warnings.simplefilter("always")
+            found = _api.segment(image, **keywords)
+            sources = found.catalogue
+    sources.meta["skyfront"] = dict(found.summary, file=str(path), warnings=[str(note.message) for note in notes])
+    labels = fits.PrimaryHDU(found.labels)
+    names = {"catalogue": target.with_name(target.name + ".ecsv"), "labels": target.with_name(target.name + ".labels.fits")}
+    _write(names["catalogue"], lambda path: sources.write(path, format="ascii.ecsv"))
+    _write(names["labels"], lambda path: labels.writeto(path))
+    return {"n_sources": len(found), **{name: str(path) for name, path in names.items()}}
+
+
+def _first_image(hdus):
+    for hdu in hdus:
+        if hdu.is_image and hdu.data is not None and hdu.data.squeeze().ndim == 2:
+            return hdu
+    raise ValueError("there is no image of two axes in the file")
+
+
+def _write(path, write):
+    """Writes a file under another name first: a worker that is lost leaves no half of one."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part.unlink(missing_ok=True)
+    try:
+        write(part)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

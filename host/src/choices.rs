@@ -2,7 +2,7 @@
 
 use crate::pipeline::{Drive, Segmentation, segment, segment_in};
 use crate::read::Image;
-use crate::{detection, nothing};
+use crate::{extraction, nothing};
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Q11, Q24};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
@@ -14,6 +14,9 @@ pub enum Preset {
     /// Sky and noise from the image, sources by their significance, one setting for every sky.
     #[default]
     NoiseAware,
+    /// The paper's front (r3, g2mod, fd) with the sky, the filter, the separation and the selection of
+    /// noise-aware.
+    Rsa,
     /// Test 1 of the paper at its best: r3 with beta 8, heat filter, g2mod with c2 = 0.8.
     PaperF160,
     /// Test 2 of the paper at its best: r1, then Perona-Malik, g2mod with c2 = 0.78.
@@ -24,12 +27,14 @@ pub enum Preset {
 
 impl Preset {
     /// Every preset, the default first.
-    pub const ALL: [Preset; 4] = [Preset::NoiseAware, Preset::PaperF160, Preset::PaperReal, Preset::ChanVese];
+    pub const ALL: [Preset; 5] =
+        [Preset::NoiseAware, Preset::Rsa, Preset::PaperF160, Preset::PaperReal, Preset::ChanVese];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Preset::NoiseAware => "noise-aware",
+            Preset::Rsa => "rsa",
             Preset::PaperF160 => "paper-f160",
             Preset::PaperReal => "paper-real",
             Preset::ChanVese => "chan-vese",
@@ -40,6 +45,7 @@ impl Preset {
     pub fn config(self) -> Config {
         match self {
             Preset::NoiseAware => Config::NOISE_AWARE,
+            Preset::Rsa => Config::RSA,
             Preset::PaperF160 => Config::PAPER_F160,
             Preset::PaperReal => Config::PAPER_REAL,
             Preset::ChanVese => Config::CHAN_VESE,
@@ -73,14 +79,9 @@ impl ArithmeticOption {
     /// Checks a configuration for this arithmetic.
     ///
     /// # Errors
-    /// As [`Config::validate`], and the noise-aware segmentation in 16 bits.
+    /// As [`Config::validate`].
     pub fn validate(self, config: &Config) -> Result<(), Error> {
         match self {
-            ArithmeticOption::Q11 if config.detection.is_some() => Err(Error::Arithmetic {
-                name: Q11::NAME,
-                reason: "the noise-aware segmentation needs cells of 32 bits, for signal-to-noise from a fraction \
-                         of the noise to bright stars; the paper's presets run in 16",
-            }),
             ArithmeticOption::F32 => config.validate::<F32>(),
             ArithmeticOption::Q24 => config.validate::<Q24>(),
             ArithmeticOption::Q11 => config.validate::<Q11>(),
@@ -103,12 +104,12 @@ impl ArithmeticOption {
     pub fn segment(self, config: &Config, image: &Image, drive: &mut Drive<'_>) -> Result<Segmentation, Error> {
         let (pixels, width, height) = (&image.pixels, image.width, image.height);
         self.validate(config)?;
-        let (run, name) = match (self, &config.detection) {
-            (ArithmeticOption::Q24, Some(detection)) => {
-                (detection::segment::<Fixed14>(detection, pixels, width, drive), Q24::NAME)
+        let (run, name) = match (self, config.sky.is_known()) {
+            (ArithmeticOption::Q24, true) => {
+                (extraction::segment::<Q24, Fixed14>(config, pixels, width, drive), Q24::NAME)
             }
             (ArithmeticOption::F32, _) => (segment(config, pixels, width, height, drive), <F32>::NAME),
-            (ArithmeticOption::Q24, None) => (segment_in::<Q24>(config, pixels, width, height, drive), Q24::NAME),
+            (ArithmeticOption::Q24, false) => (segment_in::<Q24>(config, pixels, width, height, drive), Q24::NAME),
             (ArithmeticOption::Q11, _) => (segment_in::<Q11>(config, pixels, width, height, drive), Q11::NAME),
         };
         run.or_else(|refused| nothing::found(refused, image, name, drive))

@@ -13,7 +13,7 @@ pub mod choices;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod crosscheck;
-pub mod detection;
+pub mod extraction;
 pub mod given;
 pub mod input;
 #[allow(unsafe_code, reason = "calls of functions compiled for AVX2, where the processor has it")]

@@ -1,7 +1,7 @@
 //! What is set on top of a preset, and what the table of parameters tells of a setting.
 
 use crate::choices::Preset;
-use skyfront_core::config::{Config, Need, Parameter, Step, Value};
+use skyfront_core::config::{Config, Need, Parameter, Value};
 use skyfront_core::error::Error;
 
 /// Why a setting was refused.
@@ -33,7 +33,7 @@ pub fn apply(mut config: Config, given: &[(&'static Parameter, Value)]) -> Resul
 
 /// An option that the chosen steps do not use.
 #[derive(Debug, thiserror::Error)]
-#[error("--{name} is not used by --{choice} {chosen}; it needs --{choice} {}{}", words(.wanted), has(.preset))]
+#[error("--{name} is not used by --{choice} {chosen}; it needs --{choice} {wanted}{}", has(.preset))]
 pub struct Unused {
     /// The option.
     pub name: &'static str,
@@ -41,8 +41,8 @@ pub struct Unused {
     pub choice: &'static str,
     /// What was chosen there.
     pub chosen: String,
-    /// The words that would use it.
-    pub wanted: &'static [&'static str],
+    /// The words that would use it, as text.
+    pub wanted: String,
     /// The first preset that uses it.
     pub preset: Option<&'static str>,
 }
@@ -54,7 +54,7 @@ impl Unused {
             name: parameter.name,
             choice: need.name,
             chosen: chosen.and_then(|value| value.word).unwrap_or_default().to_owned(),
-            wanted: need.words,
+            wanted: wanted(need),
             preset: preset_with(parameter),
         }
     }
@@ -67,6 +67,16 @@ fn preset_with(parameter: &Parameter) -> Option<&'static str> {
 
 fn has(preset: &Option<&str>) -> String {
     preset.map(|name| format!(", as --preset {name} has")).unwrap_or_default()
+}
+
+/// The words of a choice that serve; where all do but one, that one.
+fn wanted(need: &Need) -> String {
+    let all = Parameter::named(need.name).map_or(&[][..], |choice| choice.words);
+    let mut others = all.iter().map(|word| word.name).filter(|word| !need.words.contains(word));
+    match (others.next(), others.next()) {
+        (Some(other), None) if need.words.len() > 2 => format!("other than {other}"),
+        _ => words(need.words),
+    }
 }
 
 /// `a, b or c`.
@@ -92,11 +102,9 @@ pub fn notes(parameter: &Parameter) -> Vec<String> {
     notes
 }
 
-/// With which choice a parameter is used; the heading of most steps tells the method.
+/// With which choice a parameter is used.
 fn uses(parameter: &Parameter) -> Option<String> {
-    let own = |need: &&Need| need.name != "method" || matches!(parameter.step, Step::Separate | Step::Select);
-    let needs: Vec<String> =
-        parameter.needs.iter().filter(own).map(|need| format!("--{} {}", need.name, words(need.words))).collect();
+    let needs: Vec<String> = parameter.needs.iter().map(|need| format!("--{} {}", need.name, wanted(need))).collect();
     (!needs.is_empty()).then(|| format!("with {}", needs.join(" and ")))
 }
 

@@ -1,101 +1,61 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
-use crate::plane::grid::Grid;
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
-use crate::run::detect::{Known, SCALES, Workspace};
 use crate::sky::spike::cleaned;
 use crate::sky::tail::Tail;
-use crate::sky::{Mesh, Seen, Survey, Values};
+use crate::sky::view::{Known, View};
+use crate::sky::{Mesh, Seen, Sky, Survey};
 
 /// Smoothing goes on where the change is below this, in its noise.
 const LEPSKI: f32 = 1.7;
+/// Scale of the light smoothing, pixels.
+const FINE: f32 = 0.8;
+/// Scale of the growth of the mask of sources, pixels.
+const GROWTH: f32 = 2.0;
 
-/// A frame with what is known of it.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    /// W x H, row-major.
-    pub pixels: &'a [f32],
-    /// Its shape.
-    pub grid: Grid,
-    /// Sky and noise that were given.
-    pub known: &'a Known<'a>,
-    /// How its values came about.
-    pub values: Values,
+/// The planes of these steps.
+#[derive(Debug)]
+pub struct Planes<'m, L: Level> {
+    /// W x H: signal-to-noise.
+    pub signal: &'m mut [L],
+    /// W x H: lightly smoothed.
+    pub fine: &'m mut [L],
+    /// W x H: smoothed by need.
+    pub smooth: &'m mut [L],
+    /// W x H: 1 near sources, 0 on sky.
+    pub masked: &'m mut [L],
+    /// W x H: scratch.
+    pub scratch: &'m mut [L],
+    /// W x H each: scratch for sorting.
+    pub keys: Keys<'m>,
+    /// The mesh.
+    pub mesh: &'m mut [Sky],
 }
 
-impl<'a> View<'a> {
-    /// Looks at a frame.
-    pub fn of(pixels: &'a [f32], grid: Grid, known: &'a Known<'a>, keys: Keys<'_>) -> View<'a> {
-        let values = Values::asked(known.whole, pixels, grid.width.get(), |at| known.allows(at), keys);
-        View { pixels, grid, known, values: values.unwrap_or(Values::UNKNOWN) }
-    }
-
-    /// Columns and rows of the image that the frame is, or is a part of.
-    pub fn image(&self) -> (usize, usize) {
-        self.known.whole.map_or((self.grid.width.get(), self.grid.height), |whole| whole.part().image)
-    }
-
-    /// The tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
-    /// have yet to answer.
-    pub fn tail<L: Level>(
-        &self,
-        questions: [Question; 2],
-        value: impl Fn(usize) -> L,
-        masked: &[L],
-        keys: Keys<'_>,
-    ) -> Tail<L> {
-        let whole = self.known.whole.map(|whole| (whole, questions));
-        let tail = Tail::asked(whole, self.grid.width.get(), value, masked, self.values.piled, keys);
-        tail.unwrap_or(Tail { noise: L::ONE, skewness: 0.0 })
-    }
-
-    /// Whether a pixel is an observation that may be used.
-    pub fn is_defined(&self, at: usize) -> bool {
-        self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
-    }
-
-    /// The two defined pixels of its row, or else of its column, between which an undefined one lies.
-    fn between(&self, at: usize) -> Option<[usize; 2]> {
-        let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(at));
-        let defined = |pair: &[usize; 2]| pair.iter().all(|&at| self.is_defined(at));
-        let row = (x > 0 && x + 1 < width.get()).then(|| [at - 1, at + 1]).filter(defined);
-        let column = || (y > 0 && y + 1 < height).then(|| [at - width.get(), at + width.get()]).filter(defined);
-        row.or_else(column)
-    }
-
-    /// Whether there is a signal: the pixel is defined, or lies between two that are.
-    pub fn has_signal(&self, at: usize) -> bool {
-        self.is_defined(at) || self.between(at).is_some()
-    }
-}
-
-/// Signal-to-noise of every pixel, spikes replaced; an undefined pixel has the mean of the two
+/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined pixel has the mean of the two
 /// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
-/// to divide by.
-pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u32) -> Option<Survey> {
+/// to divide by. `round` counts how often it has been measured.
+pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Planes<'_, L>) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
-    let mut keys = Keys(work.parents, work.order);
+    let mut keys = work.keys.again();
     let masked = &*work.masked;
     let seen = |at: usize| match (view.is_defined(at), masked.get(at).is_none_or(|&mask| mask <= L::ZERO)) {
         (false, _) => Seen::Undefined,
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
     };
-    let mut mesh = Mesh::over(work.mesh, view.image());
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
     let survey = match known.whole {
         None => mesh.measure(pixels, seen, &values, keys.again()),
         // Nothing can be done before it is known.
-        Some(whole) => {
-            let survey = mesh.asked((whole, round), (pixels, width), seen, &values, keys.again());
-            if whole.is_waiting() {
-                return Some(Survey::default());
-            }
-            survey?
-        }
+        Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
+            Some(survey) => survey,
+            None => return Some(Survey::default()),
+        },
     };
     let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
     let sky_at = |at: usize| mesh.at(left + at % grid.width, bottom + at / grid.width);
@@ -127,13 +87,10 @@ pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u3
 }
 
 /// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
-pub fn remember<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u32) {
-    if let Some(whole) = view.known.whole {
-        let pixels = (view.pixels, view.grid.width.get());
-        let keys = Keys(work.parents, work.order);
-        let mut mesh = Mesh::over(work.mesh, view.image());
-        mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, keys);
-    }
+pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn Whole, work: &mut Planes<'_, L>) {
+    let pixels = (view.pixels, view.grid.width.get());
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, work.keys.again());
 }
 
 /// Gives undefined pixels between two defined ones their mean.
@@ -164,18 +121,17 @@ fn typical(
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u32) -> Tail<L> {
+pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>) -> Tail<L> {
     let grid = view.grid;
-    let [scale, ..] = SCALES;
-    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
+    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Fine(round), Question::FinePowers(round)];
-    let tail = view.tail(questions, |at| value(fine, at), work.masked, Keys(work.parents, work.order));
+    let tail = view.tail(questions, |at| value(fine, at), work.masked, work.keys.again());
     Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
     let questions = [Question::Details(round), Question::DetailPowers(round)];
-    let details = view.tail(questions, detail, work.masked, Keys(work.parents, work.order));
+    let details = view.tail(questions, detail, work.masked, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
         if (fine - *smooth).magnitude() >= least {
@@ -187,7 +143,7 @@ pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>, round: u32
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Workspace<'_, L>) {
+pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>) {
     let grid = view.grid;
     let (source, perhaps) = (L::ONE, L::of(0.5));
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
@@ -211,8 +167,7 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut W
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
         *mark = L::ZERO;
     }
-    let [_, growth, ..] = SCALES;
-    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
+    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid);
     let near = L::of(0.2);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > near { L::ONE } else { L::ZERO };
@@ -230,6 +185,7 @@ pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::grid::Grid;
 
     extern crate std;
 
@@ -246,8 +202,7 @@ mod tests {
     fn undefined_pixels_between_defined_ones_have_their_mean() {
         let grid = Grid::of(20, 5).unwrap();
         let (mut keys, mut spare) = ([0; 20], [0; 20]);
-        let known = Known::default();
-        let view = View::of(&PIXELS, grid, &known, Keys(&mut keys, &mut spare));
+        let view = View::of(&PIXELS, grid, Known::default(), Keys(&mut keys, &mut spare));
         let mut signal = PIXELS.map(|pixel| if pixel.is_nan() { 0.0 } else { pixel });
         bridge(&view, &mut signal);
         #[rustfmt::skip]

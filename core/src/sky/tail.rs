@@ -36,7 +36,7 @@ impl<L: Level> Tail<L> {
     }
 
     /// The tail of too few values.
-    const UNKNOWN: Tail<L> = Tail { noise: L::ONE, skewness: 0.0 };
+    pub(crate) const UNKNOWN: Tail<L> = Tail { noise: L::ONE, skewness: 0.0 };
 
     /// The same of all parts of an image, where the plane, in rows of `width`, belongs to one of them: asked by the
     /// question for the noise and that for the powers. `None` while others have yet to answer.

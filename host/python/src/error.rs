@@ -3,7 +3,7 @@
 use pyo3::create_exception;
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use skyfront::settings::{Refused, Unused, words};
+use skyfront::settings::{Refused, Unused};
 use skyfront_core::error::Error;
 
 create_exception!(
@@ -31,7 +31,9 @@ pub enum Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Failure {
         match error {
-            Error::Parameter { .. } | Error::Arithmetic { .. } => Failure::Refused(Refused::Value(error)),
+            Error::Parameter { .. } | Error::Together { .. } | Error::Arithmetic { .. } => {
+                Failure::Refused(Refused::Value(error))
+            }
             error => Failure::Image(error.to_string()),
         }
     }
@@ -50,6 +52,9 @@ impl Failure {
             Failure::Option(name, reason) => option(py, name, &reason),
             Failure::Refused(Refused::Value(Error::Parameter { name, value, bound, limit })) => {
                 option(py, name, &format!("{value} must be {bound} {limit}"))
+            }
+            Failure::Refused(Refused::Value(Error::Together { choice, value, other, wanted })) => {
+                option(py, choice, &format!("'{value}' needs {} {wanted}", python(other)))
             }
             Failure::Refused(Refused::Value(Error::Arithmetic { name, reason })) => {
                 option(py, "arithmetic", &format!("{name}: {reason}"))
@@ -82,5 +87,5 @@ fn reason(unused: &Unused) -> String {
     let Unused { choice, chosen, wanted, preset, .. } = unused;
     let preset = preset.map(|name| format!(", as preset='{name}' has")).unwrap_or_default();
     let choice = python(choice);
-    format!("not used by {choice}='{chosen}'; it needs {choice} {}{preset}", words(wanted))
+    format!("not used by {choice}='{chosen}'; it needs {choice} {wanted}{preset}")
 }

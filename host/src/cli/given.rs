@@ -209,10 +209,10 @@ mod tests {
 
     #[test]
     fn a_preset_that_uses_it_is_the_way_out() {
-        let message = config(&["--scheme", "fd"]).expect_err("the default has no front");
+        let message = config(&["--tau", "otsu"]).expect_err("the default does not rescale");
         assert_eq!(
             message,
-            "--scheme is not used by --method significance; it needs --method rescaling, as --preset paper-f160 has"
+            "--tau is not used by --scheme region; it needs --scheme other than region, as --preset rsa has"
         );
         let message = config(&["--preset", "paper-f160", "--mu", "1"]).expect_err("for another scheme");
         assert!(message.ends_with("it needs --scheme chan-vese, as --preset chan-vese has"), "{message}");

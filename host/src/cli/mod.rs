@@ -136,6 +136,9 @@ fn command() -> clap::Command {
 fn message(error: &anyhow::Error) -> String {
     match core_error(error) {
         Some(refused @ Error::Parameter { .. }) => format!("--{refused}"),
+        Some(Error::Together { choice, value, other, wanted }) => {
+            format!("--{choice} {value} needs --{other} {wanted}")
+        }
         _ => format!("{error:#}"),
     }
 }
@@ -155,7 +158,8 @@ struct Usage(&'static str);
 
 /// Whether an error lies in the command line, not in the files.
 fn is_usage(error: &anyhow::Error) -> bool {
-    let refused = matches!(core_error(error), Some(Error::Parameter { .. } | Error::Arithmetic { .. }));
+    let refused =
+        matches!(core_error(error), Some(Error::Parameter { .. } | Error::Together { .. } | Error::Arithmetic { .. }));
     refused || error.is::<Usage>() || error.is::<Refused>()
 }
 

@@ -3,6 +3,15 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::grid::Grid;
 
+/// Parts of a pixel to which centres are known.
+const PARTS: f32 = 256.0;
+
+/// A distance that is added to a column or row, in whole parts of a pixel: single precision then holds places up to
+/// 2^15 columns and their mirror images without rounding, and a source comes out the same wherever it lies in a frame.
+pub fn offset<L: Level>(pixels: f32) -> L {
+    L::of(libm::roundf(pixels * PARTS) / PARTS)
+}
+
 /// A plane that is read at any place.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a, L> {
@@ -37,7 +46,7 @@ impl<L: Level> Field<'_, L> {
         let dx = if inner(x, width.get()) { vertex(peak.wrapping_sub(1), peak + 1) } else { L::ZERO };
         let (below, above) = (peak.wrapping_sub(width.get()), peak + width.get());
         let dy = if inner(y, height) { vertex(below, above) } else { L::ZERO };
-        (L::whole(x) + dx, L::whole(y) + dy)
+        (L::whole(x) + offset(dx.to_f32()), L::whole(y) + offset(dy.to_f32()))
     }
 
     /// The value across a centre, bilinear, not below 0: what a symmetric source has at `index`.

@@ -44,15 +44,10 @@ pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size
     Ok((of_method + planes * plane) as u64 + BESIDE)
 }
 
-/// The bytes that the sources of a run take at most while they are measured and written: each a row of the catalogue,
-/// and one at a time the pixels around it.
+/// The bytes that the sources of a run take at most while they are measured and written: each a row of the catalogue.
 pub fn need_of_sources(run: &Segmentation) -> u64 {
     const ROW: u64 = 2000;
-    const PIXEL: u64 = 64;
-    let side = |(first, last): (u32, u32)| u64::from(last.saturating_sub(first)) + 1;
-    let largest = run.sources.iter().map(|source| side(source.columns) * side(source.rows)).max().unwrap_or(0);
-    let around = (4 * largest).min((run.width * run.height) as u64);
-    run.sources.len() as u64 * ROW + around * PIXEL
+    run.sources.len() as u64 * ROW
 }
 
 /// A number of bytes that must not be exceeded.

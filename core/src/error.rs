@@ -71,8 +71,8 @@ pub enum Error<E = core::convert::Infallible> {
         /// What it cannot do, and why.
         reason: &'static str,
     },
-    /// The configuration's method is significance: that is [`crate::detect::detect`], no front of a
-    /// [`crate::segmenter::Segmenter`].
+    /// The configuration's method is significance: that is [`crate::run::detect::detect`], no front of a
+    /// [`crate::run::segmenter::Segmenter`].
     Method,
     /// The memory between two polls is not what the pipeline left there.
     Corrupted {

@@ -1,10 +1,17 @@
 //! Level-set segmentation of astronomical images for any processor.
 //!
-//! An image goes through the steps of Tozza and Falcone's Rescaling Segmentation Algorithm, one
-//! file a step: [`normalize`], [`rescale`] (with [`otsu`] and the other thresholds), [`filter`], [`edge`], [`front`] and
-//! [`scheme`] (until [`stop`]), [`label`], [`catalog`]. [`segmenter::Segmenter`] drives them all
-//! in slices of bounded work, in memory that the caller provides and whose size
-//! [`memory`] tells beforehand.
+//! An image goes through the rooms from the top down:
+//!
+//! * [`sky`]: what the detector did to the numbers, background and noise, signal-to-noise;
+//! * [`image`](mod@image): pixel values become numbers in [0, 1], are rescaled and filtered;
+//! * [`front`]: edge detectors, the start, the schemes that move the front until it stops;
+//! * [`sources`]: components or the tree of level sets, deblending, significance, the catalogue;
+//! * [`run`]: all steps in their order, in slices of bounded work, in memory that the caller
+//!   provides and whose size [`run::memory`] tells beforehand.
+//!
+//! Below them lie the number types ([`arithmetic`]), planes of pixels ([`plane`]) and what a run is
+//! to do ([`config`]); beside them devices ([`hal`]) and a simulated sky ([`simulate`]). No room
+//! uses one that lies above it.
 //!
 //! The crate does not allocate, has no `unsafe` code and gives the same bits on every processor:
 //! sums have a fixed order or are exact, `libm` is pinned, no NaN is ever made. That it does not
@@ -18,74 +25,18 @@
 // What could panic is proved absent by linking (tests/no-panic); these find it while it is written.
 #![cfg_attr(not(test), deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-// Marked modules count with numbers of the caller, of a snapshot or of memory that an upset has
-// changed: nothing there may overflow.
+// Modules that deny arithmetic side effects count with numbers of the caller, of a snapshot or of
+// memory that an upset has changed: nothing there may overflow.
 pub mod arithmetic;
-mod beside;
-#[deny(clippy::arithmetic_side_effects)]
-pub mod budget;
-#[deny(clippy::arithmetic_side_effects)]
-pub mod catalog;
-mod centre;
-#[deny(clippy::arithmetic_side_effects)]
-mod codec;
 pub mod config;
-pub mod deblend;
-pub mod detect;
-pub mod detection;
-pub mod digest;
-pub mod edge;
 pub mod error;
-pub mod filter;
-pub mod flags;
-pub mod frame;
 pub mod front;
-pub mod grid;
 #[cfg(feature = "hal")]
 #[deny(clippy::arithmetic_side_effects)]
 pub mod hal;
-pub mod kapur;
-pub mod label;
-pub mod machine;
-pub mod march;
-pub mod memory;
-#[deny(clippy::arithmetic_side_effects)]
-pub mod noise;
-pub mod normalize;
-#[deny(clippy::arithmetic_side_effects)]
-pub mod otsu;
-pub mod outcome;
-pub mod outline;
-pub mod photon;
-mod pieces;
-pub mod plan;
-pub mod region;
-pub mod rescale;
-pub mod rosin;
-pub mod scheme;
-#[deny(clippy::arithmetic_side_effects)]
-pub mod segmenter;
-#[deny(clippy::arithmetic_side_effects)]
-pub mod select;
-pub mod settle;
-mod signal;
-pub mod significance;
+pub mod image;
+pub mod plane;
+pub mod run;
 pub mod simulate;
 pub mod sky;
-pub mod smooth;
-pub mod snapshot;
-pub mod sort;
-pub mod spike;
-pub mod stage;
-pub mod start;
-#[deny(clippy::arithmetic_side_effects)]
-mod state;
-#[deny(clippy::arithmetic_side_effects)]
-pub mod stop;
-pub mod sum;
-pub mod sweep;
-pub mod tail;
-pub mod tiles;
-pub mod tree;
-mod typical;
-pub mod vectors;
+pub mod sources;

@@ -4,7 +4,7 @@
 //! the very frame that the workstation makes. Stars are Moffat profiles with beta = 2, galaxies
 //! elliptical profiles of the same family with longer wings; noise is a sum of uniform numbers.
 
-use crate::frame::Frame;
+use crate::run::frame::Frame;
 use core::convert::Infallible;
 
 /// What kind of sky.

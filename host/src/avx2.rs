@@ -11,8 +11,8 @@ use core::arch::x86_64::{
     _mm256_storeu_ps, _mm256_sub_epi32, _mm256_sub_ps,
 };
 use skyfront_core::arithmetic::LARGEST_CHANGE;
-use skyfront_core::tiles::COLUMNS;
-use skyfront_core::vectors::Vectors;
+use skyfront_core::arithmetic::vectors::COLUMNS;
+use skyfront_core::arithmetic::vectors::Vectors;
 
 /// The proof that this processor has AVX2.
 #[derive(Clone, Copy, Debug)]

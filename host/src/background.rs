@@ -1,7 +1,7 @@
 //! Sky background and noise at every pixel, from the core's mesh.
 
+use skyfront_core::plane::sort::{Keys, SAMPLES};
 use skyfront_core::sky::{Mesh, Seen, Sky, Values, cell_pixels, mesh_cells};
-use skyfront_core::sort::{Keys, SAMPLES};
 
 /// Maps of one shape, row-major, in units of the image; NaN where nothing is known.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,15 +5,15 @@ use crate::nothing::without_front;
 use crate::pipeline::{Drive, Segmentation, StagePlanes};
 use crate::remarks;
 use skyfront_core::arithmetic::Level;
-use skyfront_core::catalog::Source;
-use skyfront_core::detect::{Known, Workspace, detect, regions};
-use skyfront_core::detection::Detection;
+use skyfront_core::config::detection::Detection;
 use skyfront_core::error::Error;
-use skyfront_core::normalize::Extremes;
-use skyfront_core::outcome::Outcome;
+use skyfront_core::image::normalize::Extremes;
+use skyfront_core::run::detect::{Known, Workspace, detect, regions};
+use skyfront_core::run::outcome::Outcome;
+use skyfront_core::run::stage::Stage;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
-use skyfront_core::stage::Stage;
-use skyfront_core::tree::Region;
+use skyfront_core::sources::catalog::Source;
+use skyfront_core::sources::tree::Region;
 use std::time::Instant;
 
 /// Bytes that an image and [`segment`] without pictures take together, by what they hold.

@@ -5,9 +5,9 @@ use crate::detection::shown;
 use crate::input::Input;
 use crate::nothing::without_front;
 use crate::pipeline::{Segmentation, StagePlanes};
-use skyfront_core::catalog::Source;
-use skyfront_core::normalize::Extremes;
-use skyfront_core::outcome::Outcome;
+use skyfront_core::image::normalize::Extremes;
+use skyfront_core::run::outcome::Outcome;
+use skyfront_core::sources::catalog::Source;
 
 /// The method's name in headers and summaries.
 pub const METHOD: &str = "given";

@@ -3,9 +3,9 @@
 //! Both give the bits of plain code: IEEE 754 rounds square roots correctly, and the core's row
 //! loops do not depend on how many pixels are worked on at once.
 
-use skyfront_core::machine::{Machine, Task};
+use skyfront_core::arithmetic::machine::{Machine, Task};
 #[cfg(not(target_arch = "x86_64"))]
-use skyfront_core::vectors::NoVectors;
+use skyfront_core::arithmetic::vectors::NoVectors;
 
 /// This computer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,8 +7,8 @@ use crate::pipeline::{Drive, Segmentation, StagePlanes};
 use crate::read::Image;
 use crate::remarks::share;
 use skyfront_core::error::Error;
-use skyfront_core::normalize::{Extremes, Range};
-use skyfront_core::outcome::{Outcome, StopReason};
+use skyfront_core::image::normalize::{Extremes, Range};
+use skyfront_core::run::outcome::{Outcome, StopReason};
 
 /// The run over an image that the core refused for this reason; the error again where it is a real one.
 ///

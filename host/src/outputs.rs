@@ -15,7 +15,7 @@ use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError, wcs};
 use serde_json::json;
 use skyfront_core::config::Config;
-use skyfront_core::outcome::Outcome;
+use skyfront_core::run::outcome::Outcome;
 use std::time::Instant;
 
 /// Names of the data products that every run has beside the catalogue, in the order of writing.

@@ -7,11 +7,12 @@
 
 use crate::planes::can_be_had;
 use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::scheme::{Evolve, Step};
-use skyfront_core::segmenter::Evolution;
-use skyfront_core::stop::Change;
-use skyfront_core::sweep::{Band, Halo, ring_len, row_stride};
-use skyfront_core::tiles::{COLUMNS, Tiles};
+use skyfront_core::arithmetic::vectors::COLUMNS;
+use skyfront_core::front::scheme::{Evolve, Step};
+use skyfront_core::front::stop::Change;
+use skyfront_core::plane::sweep::{Band, Halo, ring_len, row_stride};
+use skyfront_core::plane::tiles::Tiles;
+use skyfront_core::run::segmenter::Evolution;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -38,7 +39,7 @@ struct Shared<A: Arithmetic> {
 }
 
 /// Moves the front until it stops; `watch` hears of every step and its change. Gives the number
-/// of steps and the last change, for [`skyfront_core::segmenter::Segmenter::finish_evolution`].
+/// of steps and the last change, for [`skyfront_core::run::segmenter::Segmenter::finish_evolution`].
 ///
 /// Where the system does not give so many threads, fewer move the front.
 ///
@@ -252,8 +253,8 @@ impl Drop for Breaker<'_> {
 mod tests {
     use crate::pipeline::{Drive, segment};
     use skyfront_core::config::Config;
-    use skyfront_core::outcome::Progress;
-    use skyfront_core::stage::Stage;
+    use skyfront_core::run::outcome::Progress;
+    use skyfront_core::run::stage::Stage;
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
     #[test]

@@ -6,13 +6,13 @@ use crate::machine::Native;
 use crate::parallel::evolve;
 use crate::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Real};
-use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
-use skyfront_core::frame::SliceFrame;
-use skyfront_core::outcome::{Outcome, Progress};
-use skyfront_core::segmenter::Segmenter;
-use skyfront_core::stage::Stage;
+use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::outcome::{Outcome, Progress};
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::stage::Stage;
+use skyfront_core::sources::catalog::Source;
 use std::time::{Duration, Instant};
 
 /// Room in the catalogue; more sources are counted and reported.

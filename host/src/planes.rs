@@ -1,10 +1,10 @@
 //! Memory for the planes of a frame, and for a run.
 
 use skyfront_core::arithmetic::{Arithmetic, Bits};
-use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::memory::{Memory, flags_len, ring_cells};
-use skyfront_core::otsu::{BINS, Histogram};
+use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::sky::otsu::{BINS, Histogram};
+use skyfront_core::sources::catalog::Source;
 
 /// The memory of one run: as many elements as the core asks for, and not one more.
 #[derive(Debug)]

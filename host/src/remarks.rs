@@ -1,6 +1,6 @@
 //! What a user must know of the values of an image, and of its sky, to judge the sources found on it.
 
-use skyfront_core::detect::Found;
+use skyfront_core::run::detect::Found;
 
 /// The remarks on a run over `pixels` pixels.
 pub fn on(found: &Found, pixels: usize) -> Vec<String> {

@@ -6,7 +6,7 @@ use crate::provenance::{of_run, shortest};
 use crate::write;
 use serde_json::{Map, Value, json};
 use skyfront_core::config::Config;
-use skyfront_core::outcome::StopReason;
+use skyfront_core::run::outcome::StopReason;
 use std::time::Duration;
 
 /// CRC-32 of a label map's little-endian bytes: equal maps have equal digests on any machine.

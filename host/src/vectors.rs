@@ -9,15 +9,15 @@ use crate::planes::Room;
 use crate::provenance::{parameters, scheme_name};
 use crate::write::Value as Entry;
 use serde_json::{Map, Value, json};
+use skyfront_core::arithmetic::digest::Digest;
 use skyfront_core::arithmetic::{Arithmetic, Cell};
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::digest::Digest;
 use skyfront_core::error::Error;
-use skyfront_core::frame::SliceFrame;
-use skyfront_core::outcome::Progress;
-use skyfront_core::plan::{self, leaves};
-use skyfront_core::segmenter::Segmenter;
-use skyfront_core::stage::Stage;
+use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::outcome::Progress;
+use skyfront_core::run::plan::{self, leaves};
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::stage::Stage;
 
 /// The file of the image.
 pub const INPUT: &str = "input.f32";

@@ -11,18 +11,18 @@
 use criterion::measurement::WallTime;
 use criterion::{Bencher, BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use skyfront::machine::Native;
+use skyfront_core::arithmetic::machine::{Machine, Task};
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24, Real};
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::edge::{EdgeDetector, GradientRange};
-use skyfront_core::filter::Heat;
-use skyfront_core::machine::{Machine, Task};
-use skyfront_core::march::March;
-use skyfront_core::region::Regions;
-use skyfront_core::scheme::{AnyScheme, Evolve, Step};
-use skyfront_core::settle::Settle;
-use skyfront_core::stop::{Change, StopRule};
-use skyfront_core::sweep::{Band, Halo, Kernel, advance, ring_len};
-use skyfront_core::tiles::{Tiles, flags_len, rows_of_tile};
+use skyfront_core::front::edge::{EdgeDetector, GradientRange};
+use skyfront_core::front::march::March;
+use skyfront_core::front::region::Regions;
+use skyfront_core::front::scheme::{AnyScheme, Evolve, Step};
+use skyfront_core::front::settle::Settle;
+use skyfront_core::front::stop::{Change, StopRule};
+use skyfront_core::image::filter::Heat;
+use skyfront_core::plane::sweep::{Band, Halo, Kernel, advance, ring_len};
+use skyfront_core::plane::tiles::{Tiles, flags_len, rows_of_tile};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 

@@ -8,7 +8,7 @@
 use skyfront::read;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
 use skyfront_core::config::Scheme;
-use skyfront_core::memory;
+use skyfront_core::run::memory;
 use skyfront_tests::agreement::Agreement;
 use skyfront_tests::captions::{RESCALINGS, paper};
 use std::path::Path;

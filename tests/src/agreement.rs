@@ -7,7 +7,7 @@ use skyfront::reference::{Stages, run};
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
-use skyfront_core::front::Front;
+use skyfront_core::front::profile::Profile;
 
 /// The reference, and how far each arithmetic is from it; `None` where one cannot serve the configuration.
 pub struct Agreement {
@@ -40,7 +40,7 @@ fn beside<A: Arithmetic>(config: &Config, pixels: &[f32], width: usize, referenc
     match segment_in::<A>(&config, pixels, width, height, &mut drive) {
         Err(Error::Arithmetic { .. }) => None,
         run => {
-            let unit = f64::from(Front::new(&config, width, height).unit);
+            let unit = f64::from(Profile::new(&config, width, height).unit);
             Some(compare(pixels, &run.expect("a good image"), reference, unit))
         }
     }

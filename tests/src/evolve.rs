@@ -2,13 +2,13 @@
 
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
-use skyfront_core::memory::ring_cells;
-use skyfront_core::region::Regions;
-use skyfront_core::scheme::{AnyScheme, Evolve, Step};
-use skyfront_core::settle::Settle;
-use skyfront_core::stop::{Change, StopRule};
-use skyfront_core::sweep::{Band, Halo};
-use skyfront_core::tiles::{Tiles, flags_len, rows_of_tile};
+use skyfront_core::front::region::Regions;
+use skyfront_core::front::scheme::{AnyScheme, Evolve, Step};
+use skyfront_core::front::settle::Settle;
+use skyfront_core::front::stop::{Change, StopRule};
+use skyfront_core::plane::sweep::{Band, Halo};
+use skyfront_core::plane::tiles::{Tiles, flags_len, rows_of_tile};
+use skyfront_core::run::memory::ring_cells;
 
 /// A front on its way.
 pub struct Front {

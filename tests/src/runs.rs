@@ -4,7 +4,7 @@ use skyfront::pipeline::Segmentation;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::config::{Config, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau};
 use skyfront_core::error::Error;
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_workload::case::MOTIONS;
 

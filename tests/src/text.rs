@@ -2,7 +2,7 @@
 
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Connectivity;
-use skyfront_core::label::Table;
+use skyfront_core::sources::label::Table;
 
 /// A mask from lines of `#` (inside) and anything else (outside): row-major values of +1 and -1.
 pub fn mask(lines: &[&str]) -> (Vec<f32>, usize) {

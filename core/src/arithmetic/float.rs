@@ -5,7 +5,7 @@
 //! multiply-add, no `f32::min`, no operation that can make a NaN from finite numbers.
 
 use super::{Arithmetic, Bits, Cell, Exponent, Real, sealed::Sealed};
-use crate::machine::{Machine, Plain, Task};
+use crate::arithmetic::machine::{Machine, Plain, Task};
 use core::marker::PhantomData;
 
 /// Single precision on a machine `M`; `M` changes the speed, never the bits.

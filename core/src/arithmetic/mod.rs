@@ -4,14 +4,20 @@
 //! [`Cell`](Arithmetic::Cell) that planes and scratch rows are made of, and how the two convert.
 //! Narrow formats keep narrow cells and compute in a wider `Real`.
 
+#[deny(clippy::arithmetic_side_effects)]
+pub(crate) mod codec;
+pub mod digest;
 mod elementary;
 mod exponent;
 mod fixed32;
 mod float;
 mod level;
+pub mod machine;
 mod q11;
 mod q24;
 mod roots;
+pub mod sum;
+pub mod vectors;
 
 pub use exponent::Exponent;
 pub use fixed32::{Fixed, Fixed14, Fixed24};
@@ -20,8 +26,8 @@ pub use level::Level;
 pub use q11::{Narrow, Q11};
 pub use q24::Q24;
 
-use crate::machine::{Machine, Plain, Task};
-use crate::vectors::Vectors;
+use crate::arithmetic::machine::{Machine, Plain, Task};
+use crate::arithmetic::vectors::Vectors;
 use core::fmt::Debug;
 use core::ops::{Add, Mul, Neg, Sub};
 
@@ -133,7 +139,7 @@ pub trait Arithmetic: sealed::Sealed + Copy + Default + Debug + Send + Sync + 's
     type Real: Real;
     /// What planes and scratch rows are made of.
     type Cell: Cell;
-    /// Vector units for rows of tiles, or [`NoVectors`](crate::vectors::NoVectors).
+    /// Vector units for rows of tiles, or [`NoVectors`](crate::arithmetic::vectors::NoVectors).
     type Vectors: Vectors<Cell = Self::Cell, Real = Self::Real>;
 
     /// The vector units, where the processor has them.

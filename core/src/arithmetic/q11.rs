@@ -5,7 +5,7 @@
 
 use super::fixed32::Fixed24;
 use super::{Arithmetic, Bits, Cell, Exponent, Real, elementary, roots, sealed::Sealed};
-use crate::vectors::NoVectors;
+use crate::arithmetic::vectors::NoVectors;
 use fixed::types::{I5F11, U1F15};
 
 /// Fixed point in 16-bit planes; the front needs a band.

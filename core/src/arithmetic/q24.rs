@@ -2,7 +2,7 @@
 
 use super::fixed32::Fixed24;
 use super::{Arithmetic, Exponent, Real, elementary, roots, sealed::Sealed};
-use crate::vectors::NoVectors;
+use crate::arithmetic::vectors::NoVectors;
 
 /// Fixed point with 24 fraction bits in planes and kernels: range [-128, 128), step 2^-24.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::Config;
 use super::table::PARAMETERS;
-use crate::digest::Digest;
+use crate::arithmetic::digest::Digest;
 use crate::error::Error;
 use core::fmt;
 

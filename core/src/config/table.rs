@@ -9,8 +9,8 @@ use super::{
     Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Normalize, Order, Rescale, Scheme,
     Start, Stop, Tau,
 };
-use crate::detection::Detection;
-use crate::digest::Digest;
+use crate::arithmetic::digest::Digest;
+use crate::config::detection::Detection;
 use crate::error::Error;
 use Slot::{Long, Real, Short};
 

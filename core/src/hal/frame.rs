@@ -2,7 +2,7 @@
 
 use super::pixels::PixelFormat;
 use super::serial::{CHUNK, MemoryError, SerialMemory, in_range};
-use crate::frame::Frame;
+use crate::run::frame::Frame;
 use embedded_hal::spi::SpiDevice;
 
 /// Streams the rows of an image, row-major and without gaps, out of a serial memory.

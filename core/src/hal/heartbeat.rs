@@ -2,10 +2,10 @@
 
 use crate::arithmetic::Arithmetic;
 use crate::error::Error;
-use crate::frame::Frame;
-use crate::outcome::Progress;
-use crate::scheme::Evolve;
-use crate::segmenter::Segmenter;
+use crate::front::scheme::Evolve;
+use crate::run::frame::Frame;
+use crate::run::outcome::Progress;
+use crate::run::segmenter::Segmenter;
 use core::fmt;
 use embedded_hal::digital::OutputPin;
 

@@ -2,7 +2,7 @@
 
 use super::{Sky, Values};
 use crate::arithmetic::{Level, Real};
-use crate::sort::{median, ranked};
+use crate::plane::sort::{median, ranked};
 
 /// The fewest pixels of sky that a cell is measured on: a quarter of a window of 8 x 8.
 pub const LEAST_PIXELS: usize = 16;
@@ -157,7 +157,7 @@ fn clump_step(sorted: &[u32], step: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::tests::normal;
+    use crate::sky::noise::tests::normal;
 
     extern crate std;
     use std::vec::Vec;

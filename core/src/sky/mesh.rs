@@ -2,8 +2,8 @@
 
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
-use crate::grid::Grid;
-use crate::sort::{self, Keys};
+use crate::plane::grid::Grid;
+use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
 
 /// Side of a mesh cell in pixels; a frame has a whole number of cells along each axis.
@@ -283,7 +283,7 @@ fn middle(of: impl Iterator<Item = f32>) -> f32 {
 mod tests {
     use super::super::cell_pixels;
     use super::*;
-    use crate::noise::tests::normal;
+    use crate::sky::noise::tests::normal;
 
     extern crate std;
     use std::vec::Vec;

@@ -6,7 +6,19 @@
 //! noise at every pixel.
 
 mod clipped;
+pub mod kapur;
 mod mesh;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod noise;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod otsu;
+pub mod photon;
+pub mod rosin;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod select;
+pub(crate) mod signal;
+pub mod spike;
+pub mod tail;
 mod values;
 
 pub use clipped::{LEAST_PIXELS, clipped};

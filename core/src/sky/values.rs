@@ -4,7 +4,7 @@
 //! black level, and fill pixels that were never observed with one number.
 
 use crate::arithmetic::{Level, Real};
-use crate::sort::{Keys, median, ranked};
+use crate::plane::sort::{Keys, median, ranked};
 
 /// A fill value has more than one in so many of the pixels.
 const FILL_SHARE: usize = 100;
@@ -66,7 +66,7 @@ impl Values {
     };
 
     /// Looks at the pixels of a frame, row-major in rows of `width`, that are finite and `allowed`.
-    /// Steps, fill and pile are read from a sample of at most [`crate::sort::SAMPLES`]. Cost: two
+    /// Steps, fill and pile are read from a sample of at most [`crate::plane::sort::SAMPLES`]. Cost: two
     /// looks at each pixel and one sort of the sample.
     pub fn measure(pixels: &[f32], width: usize, allowed: impl Fn(usize) -> bool, mut keys: Keys<'_>) -> Values {
         let observed = |&at: &usize| allowed(at) && pixels.get(at).is_some_and(|pixel| pixel.is_finite());
@@ -216,7 +216,7 @@ impl Pairs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::tests::normal;
+    use crate::sky::noise::tests::normal;
 
     extern crate std;
     use std::vec::Vec;

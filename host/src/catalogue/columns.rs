@@ -4,7 +4,7 @@ use super::choice::is_magnitude;
 use super::names::known;
 use crate::measure::{Flux, Measured};
 use crate::sky::Frame;
-use skyfront_core::flags::{self, FLAGS};
+use skyfront_core::sources::flags::{self, FLAGS};
 
 /// A column: its name, unit and meaning, and how a source fills it.
 pub struct Column {

@@ -18,7 +18,7 @@ use crate::provenance::shortest;
 use crate::read::header::unit;
 use crate::sky::Sky;
 use crate::write::{Entry, Products, WriteError};
-use skyfront_core::flags;
+use skyfront_core::sources::flags;
 
 /// A file format of the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -10,11 +10,11 @@ use crate::detection;
 use anyhow::{Result, bail};
 use clap::Args;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
-use skyfront_core::budget;
-use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::memory::{self, SEGMENTER_BYTES};
-use skyfront_core::stage::Stage;
+use skyfront_core::run::budget;
+use skyfront_core::run::memory::{self, SEGMENTER_BYTES};
+use skyfront_core::run::stage::Stage;
+use skyfront_core::sources::catalog::Source;
 use std::fmt::Write;
 
 /// Bytes of a pixel of the image, which this program keeps and a camera need not.

@@ -5,7 +5,7 @@ use crate::catalogue::names::KNOWN;
 use crate::catalogue::{Setting, columns};
 use crate::sky::Frame;
 use clap::Args;
-use skyfront_core::flags::FLAGS;
+use skyfront_core::sources::flags::FLAGS;
 
 #[derive(Debug, Args)]
 pub struct Arguments {

@@ -18,7 +18,7 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Map, Value, json};
 use skyfront_core::config::Config;
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 use std::path::{Path, PathBuf};
 

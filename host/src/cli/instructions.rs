@@ -1,8 +1,8 @@
 //! The instructions that a run takes at most on the processors of `resources.txt`.
 
-use skyfront_core::budget::{passes, variant};
 use skyfront_core::config::Config;
-use skyfront_core::stage::Stage;
+use skyfront_core::run::budget::{passes, variant};
+use skyfront_core::run::stage::Stage;
 use std::collections::BTreeSet;
 
 /// Lines `cost MACHINE ARITHMETIC STAGE VARIANT INSTRUCTIONS`, the instructions those of a pixel of one pass.

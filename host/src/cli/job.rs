@@ -13,7 +13,7 @@ use crate::write::Products;
 use anyhow::{Context, Result, anyhow, bail};
 use serde_json::Value;
 use skyfront_core::config::Config;
-use skyfront_core::outcome::{Outcome, Progress};
+use skyfront_core::run::outcome::{Outcome, Progress};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@ use crate::detection;
 use crate::pipeline::{Segmentation, room_for_sources};
 use crate::planes::can_be_had;
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::memory::bytes;
+use skyfront_core::run::memory::bytes;
 use std::sync::{Condvar, Mutex, PoisonError};
 
 /// The most pixels of an image: labels and places are told apart by 30 bits.

@@ -5,8 +5,8 @@ use crate::input::Input;
 use crate::provenance::shortest;
 use indicatif::{ProgressBar, ProgressStyle};
 use skyfront_core::config::Config;
-use skyfront_core::outcome::{Progress, StopReason};
-use skyfront_core::stage::Stage;
+use skyfront_core::run::outcome::{Progress, StopReason};
+use skyfront_core::run::stage::Stage;
 use std::io::IsTerminal;
 
 /// How much is said.

@@ -10,7 +10,7 @@ use crate::reproduce::{Caption, captions};
 use crate::write::Products;
 use anyhow::{Context, Result};
 use clap::Args;
-use skyfront_core::outcome::StopReason;
+use skyfront_core::run::outcome::StopReason;
 use skyfront_core::simulate::Kind;
 use std::path::PathBuf;
 

@@ -22,7 +22,7 @@ use rounding::bit;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::config::{Config, Edge, Start};
 use skyfront_core::error::Error;
-use skyfront_core::front::Front;
+use skyfront_core::front::profile::Profile;
 use thiserror::Error as ThisError;
 
 /// How far a number of the core may lie beyond what [`walk`] explains, at most: the roundings of a step's result.
@@ -194,7 +194,7 @@ impl<F: Fn(Tolerances) -> Tolerances> Task for CheckTask<'_, F> {
             self.reference = Some((config, run(&parameters(&config), &wide, width, height)?));
         }
         let steps = walk::<A>(&config, &parameters(&config), self.pixels, self.size, &mut |_, _| {})?;
-        let unit = f64::from(Front::new(&config, width, height).unit);
+        let unit = f64::from(Profile::new(&config, width, height).unit);
         let reference = self.reference.as_ref().map(|(_, stages)| stages);
         Ok(reference.map(|stages| Check {
             arithmetic: A::NAME,

@@ -6,12 +6,12 @@ use crate::pipeline::MOST_SOURCES;
 use crate::planes::Room;
 use crate::reference::{self as r, Order, Parameters, Plane, Rescale, Scheme};
 use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
-use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
-use skyfront_core::frame::SliceFrame;
-use skyfront_core::outcome::{Outcome, Progress};
-use skyfront_core::segmenter::Segmenter;
-use skyfront_core::stage::Stage;
+use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::outcome::{Outcome, Progress};
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::stage::Stage;
+use skyfront_core::sources::catalog::Source;
 
 /// How far a step of the core is from the reference's.
 #[derive(Clone, Copy, Debug, PartialEq)]

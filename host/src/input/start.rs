@@ -2,8 +2,8 @@
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Real};
 use skyfront_core::config::Config;
-use skyfront_core::front::Front;
-use skyfront_core::start::{mark_row, spread_row};
+use skyfront_core::front::profile::Profile;
+use skyfront_core::front::start::{mark_row, spread_row};
 
 /// Where the front starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +45,7 @@ impl StartMap {
         match self {
             StartMap::Level(values) => plane.iter_mut().zip(values).for_each(|(cell, &value)| set(cell, value)),
             StartMap::Outside { distance, margin } => {
-                let front = Front::new(config, width, height);
+                let front = Profile::new(config, width, height);
                 let mut levels = vec![0.0; width];
                 for (row, distance) in plane.chunks_exact_mut(width).zip(distance.chunks_exact(width)) {
                     levels.copy_from_slice(distance);

@@ -3,7 +3,7 @@
 use super::overlap::circle_polygon;
 use super::scene::{Light, Spot};
 use super::{Flux, Scene};
-use skyfront_core::flags;
+use skyfront_core::sources::flags;
 use std::ops::Range;
 
 /// No point of a pixel is farther from its centre.

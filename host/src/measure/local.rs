@@ -1,7 +1,7 @@
 //! The background beside a source: a frame of pixels around it that belong to no source.
 
 use super::{Scene, clipped_scatter};
-use skyfront_core::catalog::Source;
+use skyfront_core::sources::catalog::Source;
 
 /// Width of the frame around the bounding box, pixels (SExtractor's `BACKPHOTO_THICK`).
 const WIDTH: usize = 24;

@@ -24,8 +24,8 @@ use crate::sky::{Patch, Sky};
 use crate::workers::in_order;
 use aperture::{Sum, largest};
 use growth::Growth;
-use skyfront_core::catalog::Source;
-use skyfront_core::flags;
+use skyfront_core::sources::catalog::Source;
+use skyfront_core::sources::flags;
 use std::f64::consts::PI;
 
 /// Sources that a thread takes at a time.
@@ -144,7 +144,7 @@ pub struct Measured {
     pub windowed_position: Option<(f64, f64)>,
     /// Major axis from north through east, degrees.
     pub position_angle: Option<f64>,
-    /// Bits of [`skyfront_core::flags`].
+    /// Bits of [`skyfront_core::sources::flags`].
     pub flags: u32,
 }
 
@@ -270,8 +270,8 @@ fn kron_aperture(scene: &Scene<'_>, shape: &Shape, source: &Source) -> (Aperture
 }
 
 /// The flags that a whole run earns.
-pub fn run_flags(outcome: &skyfront_core::outcome::Outcome) -> u32 {
-    let limit = outcome.reason == skyfront_core::outcome::StopReason::TimeLimit;
+pub fn run_flags(outcome: &skyfront_core::run::outcome::Outcome) -> u32 {
+    let limit = outcome.reason == skyfront_core::run::outcome::StopReason::TimeLimit;
     let full = outcome.unlabelled > 0 || outcome.catalogued < outcome.sources;
     (if limit { flags::LIMIT } else { 0 }) | (if full { flags::NO_ROOM } else { 0 })
 }

@@ -2,7 +2,7 @@
 
 use super::shape::OUTLINE;
 use super::{Extras, Flux, Level, estimate};
-use skyfront_core::flags;
+use skyfront_core::sources::flags;
 
 /// What an aperture counts where it meets the pixels of other sources.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]

@@ -1,8 +1,8 @@
 //! What the pixels of a segment tell: flux, centroid, second moments, and where it stands.
 
 use super::{Flux, Local, Scene};
-use skyfront_core::catalog::Source;
-use skyfront_core::flags;
+use skyfront_core::sources::catalog::Source;
+use skyfront_core::sources::flags;
 
 /// Sums over the pixels of one source, relative to its first pixel.
 #[derive(Clone, Copy, Debug, Default)]

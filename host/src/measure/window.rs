@@ -3,7 +3,7 @@
 
 use super::aperture::largest;
 use super::{Aperture, Scene};
-use skyfront_core::catalog::Source;
+use skyfront_core::sources::catalog::Source;
 use std::f64::consts::PI;
 
 /// From a half-light radius to the window's standard deviation, as SExtractor has it.

@@ -3,7 +3,7 @@
 use super::canvas::TextSize;
 use super::outline::{Panel, Zoom};
 use super::{Canvas, PALETTE, Stretch};
-use skyfront_core::catalog::Source;
+use skyfront_core::sources::catalog::Source;
 
 /// The longer side of the picture, about.
 const SIDE: usize = 1200;

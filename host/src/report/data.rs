@@ -10,8 +10,8 @@ use crate::pipeline::{Segmentation, StagePlanes};
 use crate::provenance::{parameters, shortest};
 use serde_json::{Value, json};
 use skyfront_core::config::{Config, Order, Rescale, Scheme};
-use skyfront_core::otsu::{BINS, Histogram};
-use skyfront_core::outcome::StopReason;
+use skyfront_core::run::outcome::StopReason;
+use skyfront_core::sky::otsu::{BINS, Histogram};
 use std::fmt::Write;
 
 /// Points of the convergence curve, at most.

@@ -1,11 +1,11 @@
 //! The noise-aware segmentation, and the parts of it that hosts call.
 
 use skyfront_core::arithmetic::Fixed14;
-use skyfront_core::detect::{self, Found, Known, Workspace};
-use skyfront_core::detection::Detection;
+use skyfront_core::run::detect::{self, Found, Known, Workspace};
+use skyfront_core::config::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_core::sky::{self, Mesh, Seen, Sky, Survey, Values};
-use skyfront_core::sort::Keys;
+use skyfront_core::plane::sort::Keys;
 
 #[unsafe(export_name = "detect_f32")]
 fn in_f32(pixels: &[f32], width: usize, known: &Known<'_>, setting: &Detection, work: &mut Workspace<'_, f32>) -> Result<Found, Error> {

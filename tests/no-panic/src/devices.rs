@@ -3,10 +3,10 @@
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
 use skyfront_core::arithmetic::{Narrow, Q11};
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::hal::{Heartbeat, MapWriter, MemoryError, MemoryFrame, PixelFormat, PollError, SerialMemory};
-use skyfront_core::outcome::Progress;
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::outcome::Progress;
+use skyfront_core::run::segmenter::Segmenter;
 
 /// A bus and a pin that may fail.
 pub trait Board {

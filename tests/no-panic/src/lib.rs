@@ -9,22 +9,22 @@ mod detection;
 mod devices;
 
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24, Real};
-use skyfront_core::budget;
-use skyfront_core::catalog::{Ellipse, Source, room_for};
+use skyfront_core::run::budget;
+use skyfront_core::sources::catalog::{Ellipse, Source, room_for};
 use skyfront_core::config::Config;
-use skyfront_core::digest;
+use skyfront_core::arithmetic::digest;
 use skyfront_core::error::Error;
-use skyfront_core::frame::{Frame, SliceFrame};
-use skyfront_core::memory::{self, Memory};
-use skyfront_core::outcome::{Outcome, Progress};
-use skyfront_core::scheme::{Evolve, Step};
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::frame::{Frame, SliceFrame};
+use skyfront_core::run::memory::{self, Memory};
+use skyfront_core::run::outcome::{Outcome, Progress};
+use skyfront_core::front::scheme::{Evolve, Step};
+use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
-use skyfront_core::snapshot::{self, SnapshotError};
-use skyfront_core::stage::Stage;
-use skyfront_core::stop::{Change, StopRule};
-use skyfront_core::sweep::{Band, Halo};
-use skyfront_core::tiles::Tiles;
+use skyfront_core::run::snapshot::{self, SnapshotError};
+use skyfront_core::run::stage::Stage;
+use skyfront_core::front::stop::{Change, StopRule};
+use skyfront_core::plane::sweep::{Band, Halo};
+use skyfront_core::plane::tiles::Tiles;
 
 unsafe extern "C" {
     safe fn the_core_can_panic() -> !;

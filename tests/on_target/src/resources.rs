@@ -2,7 +2,7 @@
 //!
 //! `host/src/cli/resources.txt` is the table: lines `size MACHINE PROGRAM WHAT BYTES` and
 //! `cost MACHINE ARITHMETIC STAGE VARIANT INSTRUCTIONS`, the instructions those of a pixel in the costliest pass
-//! (variants: [`skyfront_core::budget::variant`]). The tables of core/doc/on-board.md are made from it.
+//! (variants: [`skyfront_core::run::budget::variant`]). The tables of core/doc/on-board.md are made from it.
 
 use crate::machines::{MEASURED, Machine};
 use crate::report::Report;

@@ -3,11 +3,11 @@
 use embedded_hal::spi::SpiDevice;
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
-use skyfront_core::frame::{Frame, SliceFrame};
 use skyfront_core::hal::{CHUNK, Heartbeat, MapWriter, MemoryError, MemoryFrame, PixelFormat, PollError, SerialMemory};
-use skyfront_core::memory::{flags_len, ring_cells};
-use skyfront_core::outcome::Progress;
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::frame::{Frame, SliceFrame};
+use skyfront_core::run::memory::{flags_len, ring_cells};
+use skyfront_core::run::outcome::Progress;
+use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_workload::fram::{Failed, Fault, Fram, Pin};
 use skyfront_workload::run::Planes;

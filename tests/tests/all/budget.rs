@@ -2,14 +2,14 @@
 
 use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
-use skyfront_core::budget;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::error::Error;
-use skyfront_core::frame::SliceFrame;
-use skyfront_core::outcome::Progress;
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::budget;
+use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::outcome::Progress;
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::stage::Stage;
 use skyfront_core::simulate::Kind;
-use skyfront_core::stage::Stage;
 use skyfront_tests::runs::{every_kind, sky};
 
 const SIDE: usize = 33;

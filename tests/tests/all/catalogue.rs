@@ -173,7 +173,7 @@ fn coordinates_that_are_not_supported_are_empty_and_said() {
         assert_eq!(cell(&csv, 1, name), "", "{name}");
     }
     let flags: u32 = cell(&csv, 1, "flags").parse().expect("flags");
-    assert!(flags & skyfront_core::flags::NO_COORDINATES != 0);
+    assert!(flags & skyfront_core::sources::flags::NO_COORDINATES != 0);
     assert!(!folder.path().join("out/regions_sky.reg").exists());
     let map = image(folder.path().join("out/segmentation.fits").as_ref(), None).expect("a map").header;
     assert!(map.text("SFWCS").is_some_and(|reason| reason.contains("CPDIS1")));

@@ -6,10 +6,10 @@ use skyfront::planes::Room;
 use skyfront_core::arithmetic::{F32, Q11, Q24};
 use skyfront_core::config::{ChanVese, Config, Filter, Rescale, Scheme, Start};
 use skyfront_core::error::Error;
-use skyfront_core::frame::SliceFrame;
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::stage::Stage;
 use skyfront_core::simulate::Kind;
-use skyfront_core::stage::Stage;
 use skyfront_tests::runs::sky;
 
 const SIDE: usize = 96;

@@ -4,7 +4,7 @@ use serde_json::Value;
 use skyfront::reproduce::captions;
 use skyfront::write::fits::Writer;
 use skyfront_core::config::{Config, Filter, Order};
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_tests::command::{Folder, messages, skyfront};
 use std::fs;

@@ -4,7 +4,7 @@ use skyfront::background::SkyMaps;
 use skyfront::detection::segment;
 use skyfront::pipeline::{Drive, Segmentation};
 use skyfront_core::arithmetic::Fixed14;
-use skyfront_core::detection::Detection;
+use skyfront_core::config::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_core::simulate::Kind;
 use skyfront_tests::noise::{add_star, correlated, gaussian};

@@ -3,7 +3,7 @@
 use skyfront::detection::segment;
 use skyfront::pipeline::{Drive, Segmentation};
 use skyfront_core::arithmetic::{Fixed14, Level};
-use skyfront_core::detection::Detection;
+use skyfront_core::config::detection::Detection;
 use skyfront_core::error::Error;
 use skyfront_tests::noise::{add_star, correlated, gaussian};
 

@@ -4,7 +4,7 @@ use skyfront::reference::{self, Connectivity};
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::error::Error;
-use skyfront_core::front;
+use skyfront_core::front::profile::Profile;
 use skyfront_tests::evolve::Front;
 
 const PAPER: Config = Config::PAPER_F160;
@@ -18,7 +18,7 @@ fn a_flat_image_takes_the_time_to_its_middle() {
     for (scheme, steps) in SCHEMES.into_iter().zip([630, 149, 1532, 149, 590]) {
         let config = PAPER.with_scheme(scheme);
         let mut flat = Front::new(config, 300, 300, |_, _| 0.0);
-        let u0 = front::Front::new(&config, 300, 300);
+        let u0 = Profile::new(&config, 300, 300);
         for (y, row) in flat.values.chunks_exact_mut(300).enumerate() {
             u0.row::<F32>(y, row);
         }

@@ -2,10 +2,10 @@
 
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::{Config, Diffusivity, Rescale, Tau};
-use skyfront_core::filter::{Heat, PeronaMalik};
-use skyfront_core::otsu::{BINS, Histogram};
-use skyfront_core::rescale::Rescaler;
-use skyfront_core::sweep::{Band, Halo, advance, ring_len};
+use skyfront_core::image::filter::{Heat, PeronaMalik};
+use skyfront_core::image::rescale::Rescaler;
+use skyfront_core::plane::sweep::{Band, Halo, advance, ring_len};
+use skyfront_core::sky::otsu::{BINS, Histogram};
 use std::f64::consts::PI;
 
 /// A1 to A3, and A4 or A4_tau, on 4097 levels: f32 separates the values of neighbouring levels, whose smallest

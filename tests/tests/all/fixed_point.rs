@@ -5,7 +5,7 @@ use skyfront::pipeline::{Drive, Segmentation, segment_in};
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::config::{Config, Diffusivity, Edge, Filter, Order, Rescale, Scheme};
 use skyfront_core::error::Error;
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 
 const SIDE: usize = 128;

@@ -2,7 +2,7 @@
 
 use skyfront::write::fits::Writer;
 use skyfront_core::config::PARAMETERS;
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_tests::command::{Folder, messages, program, skyfront};
 use std::fs;

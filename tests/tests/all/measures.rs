@@ -1,8 +1,8 @@
 //! What sources measure, against photutils 3.0.0 and against numbers worked out by hand.
 
 use skyfront::measure::{Extras, Flux, Level, Measured, Neighbours, Scene, Wanted, measure};
-use skyfront_core::catalog::Source;
-use skyfront_core::flags;
+use skyfront_core::sources::catalog::Source;
+use skyfront_core::sources::flags;
 use std::time::Instant;
 
 /// Segments with the labels given, measured.

@@ -2,14 +2,14 @@
 
 use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
-use skyfront_core::catalog::{Source, room_for};
 use skyfront_core::config::{Config, Scheme, Start};
 use skyfront_core::error::Error;
-use skyfront_core::frame::SliceFrame;
-use skyfront_core::memory::{self, Memory, SEGMENTER_BYTES, catalogue_room};
-use skyfront_core::outcome::Progress;
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::memory::{self, Memory, SEGMENTER_BYTES, catalogue_room};
+use skyfront_core::run::outcome::Progress;
+use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::simulate::Kind;
+use skyfront_core::sources::catalog::{Source, room_for};
 use skyfront_tests::runs::{every_kind, sky};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell as Counter;

@@ -4,7 +4,7 @@ use skyfront::pipeline::{Drive, Segmentation, segment};
 use skyfront::write::fits::Writer;
 use skyfront_core::arithmetic::{F32, Q24};
 use skyfront_core::config::{Config, MAX_STEPS, Scheme, Start};
-use skyfront_core::outcome::StopReason;
+use skyfront_core::run::outcome::StopReason;
 use skyfront_core::simulate::Kind;
 use skyfront_tests::command::{Folder, messages, skyfront};
 use skyfront_tests::runs::sky;

@@ -3,16 +3,16 @@
 use skyfront::crosscheck::{CheckError, Difference, crosscheck, parameters, walk};
 use skyfront::pipeline::{Drive, segment};
 use skyfront::reference::{self, Parameters};
+use skyfront_core::arithmetic::digest::Digest;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32};
 use skyfront_core::config::{
     ChanVese, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start,
     Stop, Tau,
 };
-use skyfront_core::digest::Digest;
-use skyfront_core::memory::{flags_len, ring_cells};
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::memory::{flags_len, ring_cells};
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::stage::Stage;
 use skyfront_core::simulate::Kind;
-use skyfront_core::stage::Stage;
 use skyfront_tests::runs::sky;
 
 const WIDTH: usize = 44;

@@ -7,7 +7,7 @@ use skyfront::read::{HduChoice, image};
 use skyfront::score::score;
 use skyfront::write::fits::Writer;
 use skyfront_core::arithmetic::Fixed14;
-use skyfront_core::detection::Detection;
+use skyfront_core::config::detection::Detection;
 use skyfront_tests::command::{Folder, skyfront};
 use skyfront_tests::runs::apart;
 use skyfront_tests::scenes::{folder, load};

@@ -3,7 +3,7 @@
 use skyfront::read::image;
 use skyfront::write::fits::Writer;
 use skyfront_core::config::PARAMETERS;
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_tests::command::{Folder, messages, skyfront};
 use std::collections::BTreeSet;

@@ -2,14 +2,14 @@
 
 use skyfront::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Bits, F32, Q11, Q24};
-use skyfront_core::catalog::Source;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::error::Error;
-use skyfront_core::frame::SliceFrame;
-use skyfront_core::outcome::{Outcome, Progress};
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::outcome::{Outcome, Progress};
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::snapshot::{self, SnapshotError};
 use skyfront_core::simulate::Kind;
-use skyfront_core::snapshot::{self, SnapshotError};
+use skyfront_core::sources::catalog::Source;
 use skyfront_tests::runs::{every_kind, sky};
 
 const WIDTH: usize = 23;

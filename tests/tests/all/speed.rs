@@ -4,19 +4,19 @@
 use skyfront::machine::Native;
 use skyfront::pipeline::{Drive, Segmentation, segment_in};
 use skyfront::planes::Room;
+use skyfront_core::arithmetic::machine::Plain;
 use skyfront_core::arithmetic::{Arithmetic, Bits, F32, Q11, Q24};
 use skyfront_core::config::{Config, Rescale, Scheme, Start, Stop};
 use skyfront_core::error::Error;
-use skyfront_core::frame::{Frame, SliceFrame};
-use skyfront_core::machine::Plain;
-use skyfront_core::memory::flags_len;
-use skyfront_core::region::Regions;
-use skyfront_core::scheme::{Evolve, Step};
-use skyfront_core::segmenter::{Evolution, Segmenter};
+use skyfront_core::front::region::Regions;
+use skyfront_core::front::scheme::{Evolve, Step};
+use skyfront_core::front::stop::Change;
+use skyfront_core::plane::sweep::{Band, Halo, ring_len};
+use skyfront_core::plane::tiles::Tiles;
+use skyfront_core::run::frame::{Frame, SliceFrame};
+use skyfront_core::run::memory::flags_len;
+use skyfront_core::run::segmenter::{Evolution, Segmenter};
 use skyfront_core::simulate::{Kind, Sky};
-use skyfront_core::stop::Change;
-use skyfront_core::sweep::{Band, Halo, ring_len};
-use skyfront_core::tiles::Tiles;
 use skyfront_workload::case::MOTIONS;
 
 /// Every scheme that goes step by step.
@@ -90,7 +90,7 @@ fn skipped<A: Arithmetic>(config: &Config, pixels: &[f32]) -> f64 {
             tiles.wake();
         }
         for row in 0..HEIGHT.div_ceil(tile_rows) {
-            let columns = WIDTH.div_ceil(skyfront_core::tiles::COLUMNS);
+            let columns = WIDTH.div_ceil(skyfront_core::arithmetic::vectors::COLUMNS);
             active += (0..columns).filter(|&column| tiles.is_active(row, column)).count();
             total += columns;
         }

@@ -7,7 +7,7 @@
 
 use skyfront::pipeline::{Drive, Segmentation, segment};
 use skyfront_core::config::{Config, Diffusivity, Edge, Filter, Normalize, Rescale, Scheme};
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 
 const WIDTH: usize = 48;

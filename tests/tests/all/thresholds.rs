@@ -5,9 +5,9 @@ use skyfront::pipeline::{Drive, Segmentation, segment, segment_in};
 use skyfront::reference;
 use skyfront_core::arithmetic::{F32, Q11, Q24};
 use skyfront_core::config::{Config, Normalize, Order, Rescale, Tau};
-use skyfront_core::frame::Frame;
-use skyfront_core::otsu::{BINS, Histogram};
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
+use skyfront_core::sky::otsu::{BINS, Histogram};
 use skyfront_tests::runs::sky;
 
 /// Histograms of every shape: dense, sparse, narrow, with one bin and none.

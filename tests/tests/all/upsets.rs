@@ -8,16 +8,16 @@
 //! 20 000 flips by default; a million and more where the environment has SKYFRONT_LONG.
 
 use skyfront::planes::Room;
+use skyfront_core::arithmetic::digest::Digest;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_core::config::Config;
-use skyfront_core::digest::Digest;
 use skyfront_core::error::Error;
-use skyfront_core::frame::Frame;
-use skyfront_core::outcome::Progress;
-use skyfront_core::segmenter::Segmenter;
+use skyfront_core::run::frame::Frame;
+use skyfront_core::run::outcome::Progress;
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::snapshot::{self, SnapshotError};
+use skyfront_core::run::stage::Stage;
 use skyfront_core::simulate::Kind;
-use skyfront_core::snapshot::{self, SnapshotError};
-use skyfront_core::stage::Stage;
 use skyfront_tests::runs::{every_kind, sky};
 use std::collections::BTreeSet;
 use std::convert::Infallible;

@@ -3,16 +3,16 @@
 use crate::case::{self, HEIGHT, WIDTH};
 use crate::run::{self, run};
 use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::catalog::Source;
+use skyfront_core::arithmetic::digest::{self, Digest};
 use skyfront_core::config::Config;
-use skyfront_core::digest::{self, Digest};
 use skyfront_core::error::Error;
-use skyfront_core::frame::Frame;
-use skyfront_core::memory::{Memory, flags_len, ring_cells};
-use skyfront_core::outcome::{Outcome, StopReason};
-use skyfront_core::plan::{Plane, leaves};
-use skyfront_core::scheme::AnyScheme;
-use skyfront_core::stage::Stage;
+use skyfront_core::front::scheme::AnyScheme;
+use skyfront_core::run::frame::Frame;
+use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::run::outcome::{Outcome, StopReason};
+use skyfront_core::run::plan::{Plane, leaves};
+use skyfront_core::run::stage::Stage;
+use skyfront_core::sources::catalog::Source;
 
 /// The memory for every case.
 pub type Planes<A> =

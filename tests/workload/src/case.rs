@@ -5,7 +5,7 @@ use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::config::{
     Config, Connectivity, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop,
 };
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 
 /// Columns of every scene.

@@ -3,15 +3,15 @@
 use crate::case::Scene;
 use crate::run::{self, run};
 use skyfront_core::arithmetic::{Arithmetic, Real};
-use skyfront_core::budget;
 use skyfront_core::config::{
     Config, Connectivity, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Tau,
 };
-use skyfront_core::frame::{Frame, SliceFrame};
-use skyfront_core::memory::{flags_len, ring_cells};
-use skyfront_core::scheme::AnyScheme;
+use skyfront_core::front::scheme::AnyScheme;
+use skyfront_core::run::budget;
+use skyfront_core::run::frame::{Frame, SliceFrame};
+use skyfront_core::run::memory::{flags_len, ring_cells};
+use skyfront_core::run::stage::Stage;
 use skyfront_core::simulate::{Kind, Sky};
-use skyfront_core::stage::Stage;
 
 /// Columns, as the paper's.
 const WIDTH: usize = 300;

@@ -2,7 +2,7 @@
 
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
-use skyfront_core::frame::Frame;
+use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 
 /// What goes wrong, once, at transaction `0`, `1`, `2`, ...

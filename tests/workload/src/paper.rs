@@ -4,7 +4,7 @@ use crate::bits;
 use crate::run::Planes;
 use skyfront_core::arithmetic::{Arithmetic, Q11};
 use skyfront_core::config::Config;
-use skyfront_core::memory::{flags_len, ring_cells};
+use skyfront_core::run::memory::{flags_len, ring_cells};
 use skyfront_core::simulate::{Kind, Sky};
 
 /// Columns and rows.

@@ -1,19 +1,19 @@
 //! One run in fixed memory, watched poll by poll.
 
 use skyfront_core::arithmetic::{Arithmetic, Cell};
-use skyfront_core::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
-use skyfront_core::frame::Frame;
-use skyfront_core::memory::Memory;
-use skyfront_core::otsu::Histogram;
-use skyfront_core::outcome::{Outcome, Progress};
-use skyfront_core::scheme::Evolve;
-use skyfront_core::segmenter::Segmenter;
-use skyfront_core::stage::Stage;
+use skyfront_core::front::scheme::Evolve;
+use skyfront_core::run::frame::Frame;
+use skyfront_core::run::memory::Memory;
+use skyfront_core::run::outcome::{Outcome, Progress};
+use skyfront_core::run::segmenter::Segmenter;
+use skyfront_core::run::stage::Stage;
+use skyfront_core::sky::otsu::Histogram;
+use skyfront_core::sources::catalog::Source;
 
-/// All memory of a run: `PIXELS` = width x height, `RING` and `FLAGS` as [`skyfront_core::memory::ring_cells`]
-/// and [`skyfront_core::memory::flags_len`] tell.
+/// All memory of a run: `PIXELS` = width x height, `RING` and `FLAGS` as [`skyfront_core::run::memory::ring_cells`]
+/// and [`skyfront_core::run::memory::flags_len`] tell.
 #[derive(Debug)]
 pub struct Planes<A: Arithmetic, const WIDTH: usize, const PIXELS: usize, const RING: usize, const FLAGS: usize> {
     image: [A::Cell; PIXELS],

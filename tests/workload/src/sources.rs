@@ -3,12 +3,12 @@
 use crate::bits::words;
 use crate::case;
 use skyfront_core::arithmetic::Level;
-use skyfront_core::detect::{Found, Known, Workspace, detect, regions};
-use skyfront_core::detection::Detection;
-use skyfront_core::digest;
-use skyfront_core::frame::Frame;
+use skyfront_core::arithmetic::digest;
+use skyfront_core::config::detection::Detection;
+use skyfront_core::run::detect::{Found, Known, Workspace, detect, regions};
+use skyfront_core::run::frame::Frame;
 use skyfront_core::sky::{Sky, mesh_cells};
-use skyfront_core::tree::Region;
+use skyfront_core::sources::tree::Region;
 
 /// Columns of every sky: two cells of the mesh.
 const WIDTH: usize = 100;

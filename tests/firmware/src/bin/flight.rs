@@ -3,13 +3,13 @@
 #![no_std]
 #![no_main]
 
-use skyfront_core::catalog::Source;
+use skyfront_core::sources::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::hal::{Heartbeat, MapWriter, MemoryFrame, PixelFormat, SerialMemory};
-use skyfront_core::memory::{Memory, bytes, flags_len, ring_cells};
-use skyfront_core::otsu::Histogram;
-use skyfront_core::outcome::Progress;
-use skyfront_core::{arithmetic::F32, scheme::Fd, segmenter::Segmenter};
+use skyfront_core::run::memory::{Memory, bytes, flags_len, ring_cells};
+use skyfront_core::sky::otsu::Histogram;
+use skyfront_core::run::outcome::Progress;
+use skyfront_core::{arithmetic::F32, front::scheme::Fd, run::segmenter::Segmenter};
 use skyfront_firmware::entry;
 use skyfront_firmware::machine::{Console, Once, Processor};
 use skyfront_workload::fram::{Failed, Pin, sky_in_fram};

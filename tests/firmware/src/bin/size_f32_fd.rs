@@ -5,7 +5,7 @@
 
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Scheme;
-use skyfront_core::scheme::Fd;
+use skyfront_core::front::scheme::Fd;
 use skyfront_firmware::machine::Processor;
 use skyfront_firmware::sized;
 

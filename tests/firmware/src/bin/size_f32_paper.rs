@@ -5,7 +5,7 @@
 
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::scheme::{Fd, Fixed, Preset};
+use skyfront_core::front::scheme::{Fd, Fixed, Preset};
 use skyfront_firmware::machine::Processor;
 use skyfront_firmware::sized;
 

@@ -5,7 +5,7 @@
 
 use skyfront_core::arithmetic::Q24;
 use skyfront_core::config::Scheme;
-use skyfront_core::scheme::Fd;
+use skyfront_core::front::scheme::Fd;
 use skyfront_firmware::sized;
 
 sized!(Q24, Fd<Q24>, Scheme::Fd);

@@ -2,8 +2,8 @@
 
 use super::{PAINT, read, write};
 use core::arch::{asm, global_asm};
-use skyfront_core::machine::Machine;
-use skyfront_core::vectors::NoVectors;
+use skyfront_core::arithmetic::machine::Machine;
+use skyfront_core::arithmetic::vectors::NoVectors;
 
 /// Whether [`ticks`] tells anything.
 pub const COUNTS: bool = true;
@@ -108,6 +108,6 @@ impl Machine for Processor {
 
     #[cfg(not(target_abi = "eabihf"))]
     fn sqrt(x: f32) -> f32 {
-        skyfront_core::machine::Plain::sqrt(x)
+        skyfront_core::arithmetic::machine::Plain::sqrt(x)
     }
 }

@@ -1,0 +1,283 @@
+//! The outline by a front: it starts where the smoothed signal-to-noise crosses the threshold, moves
+//! outwards where there is more signal than that and inwards where there is less, and bends as
+//! little as it can: `u_t = F |grad u| + nu kappa |grad u|`, with the force F the signal-to-noise
+//! above the threshold (a region force) and kappa the curvature of u's level sets.
+//!
+//! The upwind differences are those of Osher and Sethian (1988, doi:10.1016/0021-9991(88)90002-2).
+//! Values of u are kept within [`BAND`], so that all but the surroundings of the front is flat:
+//! there nothing can move, and nothing is computed.
+
+use crate::arithmetic::{Level, Real};
+use crate::plane::grid::Grid;
+
+/// u is kept between minus and plus this.
+pub const BAND: f32 = 0.3;
+/// The force is kept between minus and plus this.
+pub const FORCE: f32 = 2.0;
+/// Time of a step, with pixels of width 1. The force moves the front by at most 0.4 px a step, and
+/// `4 STEP nu < 1` for every nu that [`crate::config::detection::Detection`] takes.
+pub const STEP: f32 = 0.2;
+/// Cells of a row that are looked at together for something that can move.
+const PIECE: usize = 16;
+/// A gradient below this has no direction.
+const FLAT: f32 = 1e-3;
+
+/// How a front moves.
+#[derive(Clone, Copy, Debug)]
+pub struct Front<L: Level> {
+    /// The threshold, in noise units.
+    pub threshold: L,
+    /// Weight of the curvature, nu.
+    pub curvature: L::Weight,
+    /// Steps of [`STEP`].
+    pub steps: u32,
+}
+
+/// Where a front stands: three rows of the old u around a place.
+#[derive(Clone, Copy)]
+struct Around<'a, L>([&'a [L]; 3]);
+
+impl<L: Level> Front<L> {
+    /// Turns `plane`, smoothed signal-to-noise, into u, above 0 inside: the front starts at the
+    /// threshold and takes its steps. `signal` has the force, less smoothed than the plane; `rows`
+    /// has room for two rows. Cost: a pass per step, which computes near the front only.
+    pub fn outline(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid) {
+        for u in plane.iter_mut() {
+            *u = within(*u - self.threshold, BAND);
+        }
+        for _ in 0..self.steps {
+            self.step(signal, plane, rows, grid.width.get());
+        }
+    }
+
+    fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], width: usize) {
+        let Some((mut below, rest)) = rows.split_at_mut_checked(width) else { return };
+        let mut own = rest.get_mut(..width).unwrap_or(&mut []);
+        let mut left = plane;
+        for (y, signal) in signal.chunks_exact(width).enumerate() {
+            let Some((out, above)) = left.split_at_mut_checked(width) else { return };
+            own.iter_mut().zip(out.iter()).for_each(|(own, &u)| *own = u);
+            // Beyond the frame u is what it is at its border.
+            let above_row = above.get(..width).unwrap_or(own);
+            let below_row = if y == 0 { &*own } else { &*below };
+            self.row(Around([below_row, own, above_row]), signal, out);
+            core::mem::swap(&mut below, &mut own);
+            left = above;
+        }
+    }
+
+    fn row(&self, old: Around<'_, L>, signal: &[L], out: &mut [L]) {
+        for (piece, (out, signal)) in out.chunks_mut(PIECE).zip(signal.chunks(PIECE)).enumerate() {
+            let first = piece.saturating_mul(PIECE);
+            if old.is_flat(first, out.len()) {
+                continue;
+            }
+            let near = old.window(first);
+            let [below, own, above] = near.each_ref().map(|row| row.array_windows::<3>());
+            for ((((out, &signal), &below), &own), &above) in out.iter_mut().zip(signal).zip(below).zip(own).zip(above)
+            {
+                let change = self.change([below, own, above], within(signal - self.threshold, FORCE));
+                *out = within(*out + change.scaled(L::Weight::of(STEP)), BAND);
+            }
+        }
+    }
+
+    /// `F |grad u| + nu kappa |grad u|` from the nine values around a pixel.
+    #[inline(always)]
+    fn change(&self, [below, own, above]: [[L; 3]; 3], force: L) -> L {
+        let ([_, down, _], [left, middle, right], [_, up, _]) = (below, own, above);
+        // Information comes from inside where the front moves outwards, and from outside else.
+        let outwards = force > L::ZERO;
+        let steep = |before: L, after: L| {
+            let rise = (before - middle).greatest(after - middle);
+            let fall = (middle - before).greatest(middle - after);
+            (if outwards { rise } else { fall }).positive()
+        };
+        force * length(steep(left, right), steep(down, up)) + bend(below, own, above).scaled(self.curvature)
+    }
+}
+
+/// The length of a vector with parts that are not below 0, to 0.1 %: the greater times a parabola
+/// of their squared ratio, in place of a root.
+#[inline(always)]
+fn length<L: Level>(x: L, y: L) -> L {
+    let (greater, smaller) = (x.greatest(y), x.least(y));
+    let ratio = smaller.ratio(greater);
+    let square = ratio * ratio;
+    greater + greater * (square.scaled(L::Weight::of(0.488)) - (square * square).scaled(L::Weight::of(0.0749)))
+}
+
+/// `kappa |grad u|`: the second derivative along the level set, by central differences; where there
+/// is no direction, the mean of the neighbours less u, as in the paper's degenerate branch. The
+/// gradient is divided by its greater part first, so that fixed point keeps its digits.
+#[inline(always)]
+fn bend<L: Level>(below: [L; 3], own: [L; 3], above: [L; 3]) -> L {
+    let ([below_left, down, below_right], [left, middle, right], [above_left, up, above_right]) = (below, own, above);
+    let (along, across) = (right - left, up - down);
+    let greater = along.magnitude().greatest(across.magnitude());
+    let twice = middle + middle;
+    let (bend_x, bend_y) = (left + right - twice, down + up - twice);
+    let twist = (above_right + below_left - above_left - below_right).scaled(L::Weight::of(0.5));
+    let (x, y) = (along.ratio(greater), across.ratio(greater));
+    let directed = (bend_x * (y * y) - twist * (x * y) + bend_y * (x * x)).ratio(x * x + y * y);
+    let flat = greater < L::of(FLAT);
+    if flat { (bend_x + bend_y).scaled(L::Weight::of(0.25)) } else { directed }
+}
+
+/// A value kept between minus and plus `most`.
+#[inline]
+fn within<L: Level>(value: L, most: f32) -> L {
+    let most = L::of(most);
+    value.least(most).greatest(-most)
+}
+
+impl<L: Level> Around<'_, L> {
+    /// Whether a piece of the middle row and all around it has one value: then nothing moves there.
+    fn is_flat(&self, first: usize, length: usize) -> bool {
+        let Around([_, own, _]) = self;
+        let Some(&value) = own.get(first) else { return true };
+        let (start, end) = (first.saturating_sub(1), first.saturating_add(length).saturating_add(1).min(own.len()));
+        self.0.iter().all(|row| row.get(start..end).is_some_and(|piece| piece.iter().all(|&u| u == value)))
+    }
+
+    /// The rows around a piece, with a column on either side; beyond a row the values are those of
+    /// its end.
+    fn window(&self, first: usize) -> [[L; PIECE + 2]; 3] {
+        self.0.map(|row| {
+            let mut window = [L::ZERO; PIECE + 2];
+            match first.checked_sub(1).and_then(|start| row.get(start..start.saturating_add(PIECE + 2))) {
+                Some(inner) => window.iter_mut().zip(inner).for_each(|(value, &u)| *value = u),
+                None => {
+                    let last = row.len().saturating_sub(1);
+                    for (index, value) in window.iter_mut().enumerate() {
+                        let x = first.saturating_add(index).saturating_sub(1).min(last);
+                        *value = row.get(x).copied().unwrap_or(L::ZERO);
+                    }
+                }
+            }
+            window
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::arithmetic::Fixed14;
+    use core::num::NonZero;
+    use std::vec;
+    use std::vec::Vec;
+
+    const SIDE: usize = 48;
+
+    fn grid() -> Grid {
+        Grid { width: NonZero::new(SIDE).expect("not 0"), height: SIDE }
+    }
+
+    fn front<L: Level>(curvature: f32, steps: u32) -> Front<L> {
+        Front { threshold: L::ONE, curvature: L::Weight::of(curvature), steps }
+    }
+
+    fn plane<L: Level>(value: impl Fn(f32, f32) -> f32) -> Vec<L> {
+        (0..SIDE * SIDE).map(|at| L::of(value((at % SIDE) as f32, (at / SIDE) as f32))).collect()
+    }
+
+    fn moved<L: Level>(front: &Front<L>, signal: &[L], mut plane: Vec<L>) -> Vec<L> {
+        front.outline(signal, &mut plane, &mut [L::ZERO; 2 * SIDE], grid());
+        plane
+    }
+
+    fn area<L: Level>(u: &[L]) -> usize {
+        u.iter().filter(|&&u| u > L::ZERO).count()
+    }
+
+    /// Distance inside the border of a disc in the middle.
+    fn disc(radius: f32) -> impl Fn(f32, f32) -> f32 {
+        let middle = 0.5 * (SIDE - 1) as f32;
+        move |x, y| 1.0 + radius - libm::hypotf(x - middle, y - middle)
+    }
+
+    #[test]
+    fn lengths_are_right_to_a_thousandth() {
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (1.0, 1.0), (0.3, 0.4), (0.9, 1.0), (0.01, 0.07), (5.0, 2.0)]
+        {
+            let expected = libm::hypotf(x, y);
+            assert!((length(x, y) - expected).abs() <= 1e-3 * expected, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn without_steps_the_outline_is_the_threshold() {
+        let start = plane::<f32>(disc(10.0));
+        let u = moved(&front(0.3, 0), &start, start.clone());
+        assert!(start.iter().zip(&u).all(|(&start, &u)| (start > 1.0) == (u > 0.0) && u.abs() <= BAND));
+    }
+
+    fn a_force_moves_the_front_by_itself_times_the_time<L: Level>() {
+        for (force, radius) in [(0.5, 13.0), (-0.5, 7.0), (9.0, 22.0)] {
+            let signal = vec![L::of(1.0 + force); SIDE * SIDE];
+            let u = moved(&front(0.0, 30), &signal, plane(disc(10.0)));
+            let found = libm::sqrtf(area(&u) as f32 / core::f32::consts::PI);
+            assert!((found - radius).abs() < 0.6, "{}: force {force}: {found}, not {radius}", L::NAME);
+        }
+    }
+
+    #[test]
+    fn forces_move_fronts() {
+        a_force_moves_the_front_by_itself_times_the_time::<f32>();
+        a_force_moves_the_front_by_itself_times_the_time::<Fixed14>();
+    }
+
+    /// Of `r' = -nu/r` the radius after t is `sqrt(r^2 - 2 nu t)`.
+    #[test]
+    fn curvature_shrinks_a_disc_as_it_should() {
+        let signal = vec![1.0; SIDE * SIDE];
+        let u = moved(&front::<f32>(1.0, 100), &signal, plane(disc(10.0)));
+        let found = libm::sqrtf(area(&u) as f32 / core::f32::consts::PI);
+        let expected = libm::sqrtf(100.0 - 2.0 * 100.0 * STEP);
+        assert!((found - expected).abs() < 0.4, "{found}, not {expected}");
+    }
+
+    #[test]
+    fn curvature_takes_single_pixels_and_straightens_borders() {
+        let comb = |x: f32, y: f32| if x < 20.0 || x < 21.0 && (y as u32).is_multiple_of(3) { 1.4 } else { 0.6 };
+        let speck = |x: f32, y: f32| if x == 40.0 && y == 40.0 { 1.4 } else { comb(x, y) };
+        let signal = vec![1.0; SIDE * SIDE];
+        let u = moved(&front::<f32>(0.6, 20), &signal, plane(speck));
+        let inside = |x: usize, y: usize| u[y * SIDE + x] > 0.0;
+        assert!(!inside(40, 40), "the speck is gone");
+        assert!((2..SIDE - 2).all(|y| inside(19, y) && !inside(20, y)), "the teeth are gone");
+    }
+
+    #[test]
+    fn fixed_point_follows_single_precision() {
+        let sky = |x: f32, y: f32| 1.0 + 0.8 * libm::sinf(0.61 * x) * libm::cosf(0.37 * y + 0.2 * x);
+        let single = moved(&front::<f32>(0.3, 10), &plane(sky), plane(sky));
+        let fixed = moved(&front::<Fixed14>(0.3, 10), &plane(sky), plane(sky));
+        let apart = single.iter().zip(&fixed).filter(|(u, v)| (**u > 0.0) != (v.to_f32() > 0.0)).count();
+        assert!(apart <= 2, "{apart} pixels differ");
+    }
+
+    /// What is flat is skipped, and that changes no bit: a frame whose pieces are all looked at gives the same.
+    #[test]
+    fn skipping_changes_no_bit() {
+        let start = plane::<f32>(disc(6.0));
+        let signal = plane::<f32>(|x, y| 1.0 + 0.1 * x - 0.07 * y);
+        let moving = front(0.3, 12);
+        let skipped = moved(&moving, &signal, start.clone());
+        let mut u: Vec<f32> = start.iter().map(|&value| within(value - 1.0, BAND)).collect();
+        for _ in 0..moving.steps {
+            let old = u.clone();
+            let row = |y: usize| &old[y * SIDE..(y + 1) * SIDE];
+            for (at, u) in u.iter_mut().enumerate() {
+                let (x, y) = (at % SIDE, at / SIDE);
+                let rows = [row(y.saturating_sub(1)), row(y), row((y + 1).min(SIDE - 1))];
+                let nine = rows.map(|row| [row[x.saturating_sub(1)], row[x], row[(x + 1).min(SIDE - 1)]]);
+                let force = within(signal[at] - 1.0, FORCE);
+                *u = within(*u + moving.change(nine, force) * STEP, BAND);
+            }
+        }
+        assert!(skipped.iter().zip(&u).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+}

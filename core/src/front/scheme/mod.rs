@@ -1,0 +1,137 @@
+//! Step 5: the schemes that move the front, a family of files of one shape.
+//!
+//! Each scheme is a row kernel on the front plane with the edge detector as the other row. All use
+//! undivided differences: lengths are pixels, and dx enters only through a few coefficients.
+
+mod any;
+mod chan_vese;
+mod fd;
+mod fd_curvature;
+mod fd_filtered;
+mod marching;
+mod preset;
+mod sl;
+mod sl_curvature;
+
+pub use any::AnyScheme;
+pub use chan_vese::ChanVese;
+pub use fd::Fd;
+pub use fd_curvature::FdCurvature;
+pub use fd_filtered::FdFiltered;
+pub use marching::Marching;
+pub(crate) use preset::Chosen;
+pub use preset::{Fixed, Preset};
+pub use sl::Sl;
+pub use sl_curvature::SlCurvature;
+
+use crate::arithmetic::vectors::COLUMNS;
+use crate::arithmetic::{Arithmetic, Real};
+use crate::config::{Config, Scheme};
+use crate::front::region::Means;
+use crate::front::settle::Settle;
+use crate::front::stop::Change;
+use crate::plane::sweep::{Band, Kernel, RowOf, Tile, advance_active, shifted};
+use crate::plane::tiles::Tiles;
+use core::ops::Range;
+
+/// A scheme for the evolution, chosen at compile time (one scheme in the program) or at run time
+/// ([`AnyScheme`]).
+pub trait Evolve<A: Arithmetic>: Sized {
+    /// The one configuration that a program with this type can run, or `None` for all of the
+    /// scheme's: see [`Preset`].
+    const ONLY: Option<Config> = None;
+
+    /// Whether the front may be found by arrival times in place of steps.
+    const MARCHES: bool = false;
+
+    /// Builds the scheme of a validated configuration, or says that it is another one.
+    ///
+    /// # Errors
+    /// The name of the scheme that this type cannot serve.
+    fn new(config: &Config, unit: f32) -> Result<Self, Scheme>;
+
+    /// Rows of the window: 2R + 1.
+    fn window(&self) -> usize;
+
+    /// Moves the front in the active tiles of `rows` by one step; notes which tiles change, and
+    /// adds what changes to the step's record.
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>);
+}
+
+/// A step of the front: how new values are settled, and the record of what changed.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<A: Arithmetic> {
+    /// Applied to every new value.
+    pub settle: Settle<A>,
+    /// What changed so far in this step.
+    pub change: Change<A>,
+    /// The means of the two regions of Chan and Vese, as they were before this step.
+    pub means: Means,
+}
+
+/// A scheme's kernel as a part of a step.
+#[derive(Clone, Copy)]
+struct Tracked<A: Arithmetic, K> {
+    kernel: K,
+    step: Step<A>,
+}
+
+impl<A: Arithmetic, K: Kernel<A, N>, const N: usize> Kernel<A, N> for Tracked<A, K> {
+    const CORNERS: bool = K::CORNERS;
+    const AROUND: bool = K::AROUND;
+    const ON_VECTORS: bool = K::ON_VECTORS;
+
+    #[inline(always)]
+    fn row(&mut self, old: &[&[A::Cell]; N], speed: &[A::Cell], new: &mut [A::Cell]) {
+        self.kernel.row(old, speed, new);
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, old: &[A::Cell], _: &[A::Cell], new: &mut [A::Cell]) {
+        self.step.settle.row(new);
+        self.step.change.observe(old, new);
+    }
+
+    #[inline(always)]
+    fn on_vectors(&self, vectors: A::Vectors, tile: &Tile<'_, A::Cell>) -> RowOf<A> {
+        self.kernel.on_vectors(vectors, tile)
+    }
+
+    #[inline(always)]
+    fn settle_on_vectors(&self, vectors: A::Vectors, new: &mut [[A::Cell; COLUMNS]]) {
+        self.step.settle.on_vectors(vectors, new);
+    }
+
+    #[inline(always)]
+    fn observe_on_vectors(&mut self, vectors: A::Vectors, old: RowOf<A>, new: RowOf<A>) {
+        self.step.change.observe_on_vectors(vectors, old, new);
+    }
+}
+
+/// One sweep of a kernel over the active tiles: what every scheme's `advance` does.
+fn tracked<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize>(
+    kernel: K,
+    band: &mut Band<'_, A::Cell>,
+    tiles: &mut Tiles<'_>,
+    rows: Range<usize>,
+    step: &mut Step<A>,
+) {
+    let mut tracked = Tracked { kernel, step: *step };
+    advance_active::<A, _, N>(&mut tracked, band, tiles, rows);
+    *step = tracked.step;
+}
+
+/// The length of an undivided central difference below which the front counts as flat:
+/// `|D^c| <= degenerate dx`, as `|(r - l) / 2|` in units of the front plane.
+fn flat_limit<A: Arithmetic>(config: &Config, unit: f32) -> A::Real {
+    A::Real::of(config.degenerate * config.dx * config.dx * unit)
+}
+
+/// The corners of each pixel in a window of three padded rows: below left and right, above left
+/// and right.
+#[inline(always)]
+fn corners<'a, C: Copy>(old: &[&'a [C]; 3]) -> impl Iterator<Item = [C; 4]> + use<'a, C> {
+    let [below, _, above] = *old;
+    let rows = below.iter().zip(shifted(below, 2)).zip(above).zip(shifted(above, 2));
+    rows.map(|(((&bl, &br), &al), &ar)| [bl, br, al, ar])
+}

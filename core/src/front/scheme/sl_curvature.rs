@@ -1,0 +1,124 @@
+//! Semi-Lagrangian with curvature: `SLg` plus an average along the contour (`SLgk`).
+
+use super::{Evolve, Sl, Step, flat_limit, tracked};
+use crate::arithmetic::{Arithmetic, Real};
+use crate::config::{Config, CurvatureForm, Scheme};
+use crate::plane::sweep::{Band, Kernel};
+use crate::plane::tiles::Tiles;
+use core::ops::Range;
+
+/// Rows and columns that the look along the contour can reach.
+const RADIUS: usize = 5;
+/// Rows of the window.
+const WINDOW: usize = 2 * RADIUS + 1;
+
+/// The scheme `SLgk`; in the consistent form the averages are taken minus v (spec section 2,
+/// item 3). Along the contour it looks `sqrt(2 dt) / dx` pixels far, at most 5.
+#[derive(Clone, Copy, Debug)]
+pub struct SlCurvature<A: Arithmetic, const M: usize = 3> {
+    sl: Sl<A, M>,
+    /// `sqrt(2 dt) / dx`.
+    look: A::Real,
+    /// `nu / 2`, the weight of the two looks.
+    pair: A::Real,
+    /// `nu / 4`, the weight of the four neighbours in the flat case.
+    mean: A::Real,
+    flat: A::Real,
+    form: CurvatureForm,
+}
+
+/// The window around column `x` of a row: values at whole offsets, relative to the centre.
+struct View<'a, A: Arithmetic> {
+    old: &'a [&'a [A::Cell]; WINDOW],
+    x: usize,
+    v: A::Real,
+}
+
+impl<A: Arithmetic> View<'_, A> {
+    /// The value `dx` columns and `dy` rows away, minus the centre; 0 beyond the window.
+    #[inline(always)]
+    fn at(&self, dx: isize, dy: isize) -> A::Real {
+        let row = self.old.get((RADIUS as isize + dy) as usize);
+        let cell = row.and_then(|row| row.get((self.x + RADIUS).wrapping_add_signed(dx)));
+        cell.map_or(A::Real::ZERO, |&cell| A::level(cell) - self.v)
+    }
+
+    /// The bilinear interpolant at the offset `(x, y)`, minus the centre. Both offsets are split
+    /// away from the centre, so that mirrored offsets give mirrored cells.
+    #[inline(always)]
+    fn interpolate(&self, x: A::Real, y: A::Real) -> A::Real {
+        let (sx, sy) = (sign(x), sign(y));
+        let (ix, fx) = x.magnitude().split(RADIUS);
+        let (iy, fy) = y.magnitude().split(RADIUS);
+        let (x0, y0) = (sx * ix as isize, sy * iy as isize);
+        let (x1, y1) = (sx * (ix + 1).min(RADIUS) as isize, sy * (iy + 1).min(RADIUS) as isize);
+        let centre = self.at(x0, y0);
+        let (h, w, d) = (self.at(x1, y0) - centre, self.at(x0, y1) - centre, self.at(x1, y1) - centre);
+        centre + ((fx * h + fy * w) + (fx * fy) * (d - (h + w)))
+    }
+}
+
+#[inline(always)]
+fn sign<R: Real>(x: R) -> isize {
+    if x < R::ZERO { -1 } else { 1 }
+}
+
+impl<A: Arithmetic, const M: usize> SlCurvature<A, M> {
+    /// The curvature's share of the step, before the factor g.
+    #[inline(always)]
+    fn curvature(&self, view: &View<'_, A>, sides: [A::Real; 4]) -> A::Real {
+        let [l, r, b, a] = sides;
+        let half = A::Real::of(0.5);
+        let (weight, sum, count) = match A::unit((r - l) * half, (a - b) * half, self.flat) {
+            None => (self.mean, (l + r) + (b + a), 4),
+            Some((nx, ny)) => {
+                let (x, y) = (self.look * ny, -(self.look * nx));
+                (self.pair, view.interpolate(x, y) + view.interpolate(-x, -y), 2)
+            }
+        };
+        let average = weight * sum;
+        match self.form {
+            CurvatureForm::Consistent => average,
+            CurvatureForm::Printed => (0..count).fold(average, |sum, _| sum + weight * view.v),
+        }
+    }
+}
+
+impl<A: Arithmetic, const M: usize> Kernel<A, WINDOW> for SlCurvature<A, M> {
+    #[inline(always)]
+    fn row(&mut self, old: &[&[A::Cell]; WINDOW], speed: &[A::Cell], new: &mut [A::Cell]) {
+        let scheme = *self;
+        for ((x, new), &g) in new.iter_mut().enumerate().zip(speed) {
+            let view = View::<A> { old, x, v: A::level(*new) };
+            let sides = [view.at(-1, 0), view.at(1, 0), view.at(0, -1), view.at(0, 1)];
+            let corners = [view.at(-1, -1), view.at(1, -1), view.at(-1, 1), view.at(1, 1)];
+            let g = A::pixel(g);
+            let moved = scheme.sl.least_within(view.v, scheme.sl.reach * g, sides, corners);
+            *new = A::to_level(moved + g * scheme.curvature(&view, sides));
+        }
+    }
+}
+
+impl<A: Arithmetic, const M: usize> Evolve<A> for SlCurvature<A, M> {
+    fn new(config: &Config, unit: f32) -> Result<Self, Scheme> {
+        match config.scheme {
+            Scheme::SlCurvature if usize::from(config.directions) == 4 * (M + 1) => Ok(SlCurvature {
+                sl: Sl::with_reach(config.dt / config.dx),
+                look: A::Real::of(libm::sqrtf(2.0 * config.dt) / config.dx),
+                pair: A::Real::of(config.nu * 0.5),
+                mean: A::Real::of(config.nu * 0.25),
+                flat: flat_limit::<A>(config, unit),
+                form: config.curvature_form,
+            }),
+            other => Err(other),
+        }
+    }
+
+    fn window(&self) -> usize {
+        WINDOW
+    }
+
+    fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        tracked::<A, _, WINDOW>(*self, band, tiles, rows, step);
+    }
+}

@@ -1,0 +1,106 @@
+//! Step 1: pixel values become numbers in [0, 1] (`risc01`).
+
+use crate::arithmetic::machine::Task;
+use crate::arithmetic::{Arithmetic, Real};
+use crate::sky::noise::Estimate;
+
+/// The extremes and number of the defined pixels seen so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    /// The least defined pixel; +infinity before the first.
+    pub least: f32,
+    /// The greatest defined pixel; -infinity before the first.
+    pub greatest: f32,
+    /// Number of defined pixels.
+    pub defined: u32,
+}
+
+impl Extremes {
+    /// Before the first pixel.
+    pub const NONE: Extremes = Extremes { least: f32::INFINITY, greatest: f32::NEG_INFINITY, defined: 0 };
+
+    /// Takes in one row of pixels; NaN and infinities do not count.
+    pub fn observe(&mut self, row: &[f32]) {
+        let (mut least, mut greatest, mut defined) = (i32::MAX, i32::MIN, 0u32);
+        for &pixel in row {
+            let (rank, counts) = (rank(pixel), pixel.is_finite());
+            least = least.min(if counts { rank } else { i32::MAX });
+            greatest = greatest.max(if counts { rank } else { i32::MIN });
+            defined += u32::from(counts);
+        }
+        if defined > 0 {
+            let (least, greatest) = (of_rank(least), of_rank(greatest));
+            self.least = if least < self.least { least } else { self.least };
+            self.greatest = if greatest > self.greatest { greatest } else { self.greatest };
+            self.defined = self.defined.saturating_add(defined);
+        }
+    }
+}
+
+/// A whole number that grows with the pixel: the extremes of such are what vector units find.
+#[inline(always)]
+fn rank(pixel: f32) -> i32 {
+    // Both zeros have the rank of the positive one.
+    let bits = (pixel + 0.0).to_bits() as i32;
+    bits ^ ((bits >> 31) & i32::MAX)
+}
+
+fn of_rank(rank: i32) -> f32 {
+    f32::from_bits((rank ^ ((rank >> 31) & i32::MAX)) as u32)
+}
+
+/// The linear map that takes `low` to 0 and `high` to 1, clipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Becomes 0.
+    pub low: f32,
+    /// Becomes 1; above `low`.
+    pub high: f32,
+}
+
+impl Range {
+    /// From the sky minus `below` to the sky plus `above` standard deviations of its noise; the
+    /// `extremes` where there is no noise.
+    pub fn around(sky: &Estimate, below: f32, above: f32, extremes: Range) -> Range {
+        if sky.noise > 0.0 { Range { low: sky.above(-below), high: sky.above(above) } } else { extremes }
+    }
+
+    /// `(pixel - low) / (high - low)`, clipped to [0, 1]; `fill` for an undefined pixel.
+    #[inline]
+    pub fn apply(&self, pixel: f32, fill: f32) -> f32 {
+        if !pixel.is_finite() {
+            return fill;
+        }
+        let span = self.high - self.low;
+        let value = if span < f32::INFINITY {
+            (pixel - self.low) / span
+        } else {
+            // Halves are exact here and cannot overflow.
+            (pixel * 0.5 - self.low * 0.5) / (self.high * 0.5 - self.low * 0.5)
+        };
+        if value > 0.0 { if value < 1.0 { value } else { 1.0 } } else { 0.0 }
+    }
+}
+
+/// One row of pixels into one row of the image plane.
+pub fn row<A: Arithmetic>(range: Range, fill: f32, pixels: &[f32], image: &mut [A::Cell]) {
+    A::wide(Row::<A> { range, fill, pixels, image });
+}
+
+struct Row<'a, A: Arithmetic> {
+    range: Range,
+    fill: f32,
+    pixels: &'a [f32],
+    image: &'a mut [A::Cell],
+}
+
+impl<A: Arithmetic> Task for Row<'_, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (cell, &pixel) in self.image.iter_mut().zip(self.pixels) {
+            *cell = A::to_pixel(A::Real::of(self.range.apply(pixel, self.fill)));
+        }
+    }
+}

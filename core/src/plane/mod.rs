@@ -1,0 +1,13 @@
+//! Planes of pixels, and what goes over them: rows and tiles, the sweep that moves a front in place,
+//! smoothing, and the sorting of samples.
+//!
+//! Planes are row-major; row 0 comes first and is the bottom row of a FITS image. Pixel centres
+//! have whole coordinates from (0, 0).
+
+pub(crate) mod beside;
+pub mod field;
+pub mod grid;
+pub mod smooth;
+pub mod sort;
+pub mod sweep;
+pub mod tiles;

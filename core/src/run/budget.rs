@@ -1,0 +1,89 @@
+//! How long a run can take at most, known before it starts.
+//!
+//! Time is counted in row operations: one row of one pass. Each costs O(W): a row of a sweep, a
+//! row of statistics, or W entries of the label table. In the label passes a look-up follows at
+//! most W links, because only labels joined in the last two rows can lie between a label of the
+//! row before and the first label of its component.
+
+use crate::arithmetic::Exponent;
+use crate::config::{Config, Diffusivity, Edge, Filter, Rescale, Scheme, Tau};
+use crate::run::plan::Plan;
+use crate::run::stage::Stage;
+
+/// The most passes over the rows that a stage can take, whatever the image.
+pub fn passes(config: &Config, stage: Stage) -> u32 {
+    Plan::of(config).passes(stage)
+}
+
+/// The most row operations that a stage can take in a frame of `height` rows.
+pub fn rows(config: &Config, height: usize, stage: Stage) -> u64 {
+    Plan::of(config).rows(height, stage)
+}
+
+/// The most row operations of a whole run.
+pub fn total_rows(config: &Config, height: usize) -> u64 {
+    Plan::of(config).total_rows(height)
+}
+
+/// What a stage does in a configuration, as a word: work for a pixel is alike where stage and word
+/// are, and `host/src/cli/resources.txt` has the instructions for each pair.
+///
+/// `-power` is an exponent that is no power of two, `-64` directions of that number, `-band` a front
+/// in a band; `-` stands for stages that always do the same.
+pub fn variant(config: &Config, stage: Stage) -> &'static str {
+    let root = |p: f32| !matches!(Exponent::of(p), Exponent::Any(_));
+    match stage {
+        Stage::Rescale => match config.rescale {
+            Rescale::None => "none",
+            Rescale::R1 { alpha } if root(alpha) => "r1",
+            Rescale::R1 { .. } => "r1-power",
+            Rescale::R2 { alpha } if root(alpha) => "r2",
+            Rescale::R2 { .. } => "r2-power",
+            Rescale::R3 { beta, .. } if root(f32::from(beta)) => "r3",
+            Rescale::R3 { .. } => "r3-power",
+        },
+        Stage::Threshold => match config.rescale {
+            Rescale::R3 { tau: Tau::Otsu, .. } => "otsu",
+            Rescale::R3 { tau: Tau::Kapur, .. } => "kapur",
+            Rescale::R3 { tau: Tau::Rosin, .. } => "rosin",
+            Rescale::R3 { tau: Tau::Noise { .. }, .. } => "noise",
+            _ => "none",
+        },
+        Stage::Filter => match config.filter {
+            Filter::None => "none",
+            Filter::Heat => "heat",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
+        },
+        Stage::Edge => match config.edge {
+            Edge::G1 { p } if root(p) => "g1",
+            Edge::G1 { .. } => "g1-power",
+            Edge::G2 | Edge::G2Mod { .. } => "g2",
+        },
+        Stage::Evolve => step(config),
+        _ => "-",
+    }
+}
+
+/// [`variant`] of a step of the front.
+fn step(config: &Config) -> &'static str {
+    let (fine, band) = (config.directions == 64, config.band.is_some());
+    match (config.scheme, fine, band) {
+        (Scheme::Fd, _, false) => "fd",
+        (Scheme::Fd, _, true) => "fd-band",
+        (Scheme::FdCurvature, _, false) => "fd-curvature",
+        (Scheme::FdCurvature, _, true) => "fd-curvature-band",
+        (Scheme::FdFiltered, _, false) => "fd-filtered",
+        (Scheme::FdFiltered, _, true) => "fd-filtered-band",
+        (Scheme::Sl, false, false) => "sl",
+        (Scheme::Sl, false, true) => "sl-band",
+        (Scheme::Sl, true, false) => "sl-64",
+        (Scheme::Sl, true, true) => "sl-64-band",
+        (Scheme::SlCurvature, false, false) => "sl-curvature",
+        (Scheme::SlCurvature, false, true) => "sl-curvature-band",
+        (Scheme::SlCurvature, true, false) => "sl-curvature-64",
+        (Scheme::SlCurvature, true, true) => "sl-curvature-64-band",
+        (Scheme::ChanVese, _, _) => "chan-vese",
+        (Scheme::FastMarching, _, _) => "none",
+    }
+}

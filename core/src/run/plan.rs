@@ -1,0 +1,236 @@
+//! What a run does, as data: its steps in their order. Nothing else knows the order of the stages.
+//!
+//! From it follow what comes after a pass ([`crate::run::segmenter`]), the budget ([`crate::run::budget`]), the
+//! soundness of a snapshot, and which plane holds what a step made, for digests and pictures.
+
+use crate::config::{Config, Filter, Normalize, Order, Rescale, Scheme, Start, Tau};
+use crate::front::march;
+use crate::run::stage::Stage;
+use crate::sky::noise;
+use crate::sky::select;
+
+/// Where a step leaves what it made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// In the image plane.
+    Image,
+    /// In the front plane.
+    Front,
+}
+
+/// One step of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// What is done.
+    pub stage: Stage,
+    /// The most passes over the rows, whatever the image; at least 1.
+    pub passes: u32,
+    /// Whether each pass asks for the original pixels.
+    pub reads_frame: bool,
+    /// The plane that holds an image of its own when the step is over.
+    pub leaves: Option<Plane>,
+}
+
+impl Step {
+    const fn of(stage: Stage, passes: u32) -> Step {
+        Step { stage, passes, reads_frame: reads_frame(stage), leaves: leaves(stage) }
+    }
+}
+
+/// Whether a stage asks for the original pixels.
+pub(crate) const fn reads_frame(stage: Stage) -> bool {
+    matches!(
+        stage,
+        Stage::Extremes
+            | Stage::LowPercentile
+            | Stage::HighPercentile
+            | Stage::Sky
+            | Stage::Median
+            | Stage::Normalize
+            | Stage::Threshold
+            | Stage::Provisional
+            | Stage::Measure
+    )
+}
+
+/// The plane that holds an image of its own when a stage is over.
+pub const fn leaves(stage: Stage) -> Option<Plane> {
+    match stage {
+        Stage::Normalize | Stage::Rescale | Stage::Filter | Stage::Edge => Some(Plane::Image),
+        Stage::Front | Stage::Evolve | Stage::Arrive | Stage::Measure => Some(Plane::Front),
+        _ => None,
+    }
+}
+
+/// From the pixels to the image plane.
+const NORMALISING: [Stage; 6] =
+    [Stage::Extremes, Stage::LowPercentile, Stage::HighPercentile, Stage::Sky, Stage::Median, Stage::Normalize];
+/// Steps 2 and 3, in both orders.
+const RESCALING_FIRST: [Stage; 3] = [Stage::Threshold, Stage::Rescale, Stage::Filter];
+const FILTERING_FIRST: [Stage; 3] = [Stage::Filter, Stage::Threshold, Stage::Rescale];
+/// From the filtered image to the catalogue.
+const SEGMENTING: [Stage; 17] = [
+    Stage::StartLevel,
+    Stage::StartMark,
+    Stage::StartUp,
+    Stage::StartDown,
+    Stage::Gradient,
+    Stage::Edge,
+    Stage::Front,
+    Stage::Evolve,
+    Stage::Seed,
+    Stage::Sow,
+    Stage::March,
+    Stage::Arrive,
+    Stage::Provisional,
+    Stage::Resolve,
+    Stage::Count,
+    Stage::Number,
+    Stage::Measure,
+];
+
+/// The steps of the run of a configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a>(&'a Config);
+
+impl<'a> Plan<'a> {
+    /// The plan of a configuration, for frames of every size.
+    pub fn of(config: &'a Config) -> Plan<'a> {
+        Plan(config)
+    }
+
+    /// The steps in their order, without those that take no pass.
+    pub fn steps(self) -> impl Iterator<Item = Step> + 'a {
+        let middle = match self.0.order {
+            Order::RescaleFirst => &RESCALING_FIRST,
+            Order::FilterFirst => &FILTERING_FIRST,
+        };
+        let stages = NORMALISING.iter().chain(middle).chain(&SEGMENTING);
+        stages.map(move |&stage| Step::of(stage, self.passes(stage))).filter(|step| step.passes > 0)
+    }
+
+    /// A step of the run; `None` for a stage that it does without.
+    pub fn step(self, stage: Stage) -> Option<Step> {
+        self.steps().find(|step| step.stage == stage)
+    }
+
+    /// The stage after `stage` without those that `skip` names; [`Stage::Done`] after the last.
+    pub(crate) fn after(self, stage: Stage, skip: impl Fn(Stage) -> bool) -> Stage {
+        let mut rest = self.steps().map(|step| step.stage).skip_while(|&other| other != stage).skip(1);
+        rest.find(|&next| !skip(next)).unwrap_or(Stage::Done)
+    }
+
+    /// Whether `stage` comes before the image is in its plane.
+    pub(crate) fn is_before_image(self, stage: Stage) -> bool {
+        self.steps().take_while(|step| step.stage != Stage::Normalize).any(|step| step.stage == stage)
+    }
+
+    /// The most passes over the rows that a stage can take, whatever the image; 0 where the run
+    /// does without it.
+    pub fn passes(self, stage: Stage) -> u32 {
+        let config = self.0;
+        let marches = config.scheme == Scheme::FastMarching;
+        let starts_near = matches!(config.start, Start::Threshold { .. });
+        match stage {
+            Stage::LowPercentile | Stage::HighPercentile => match config.normalize {
+                Normalize::Percentile { .. } => select::PASSES,
+                Normalize::MinMax | Normalize::Noise { .. } => 0,
+            },
+            Stage::Sky if matches!(config.normalize, Normalize::Noise { .. }) => noise::PASSES,
+            Stage::Sky => 0,
+            Stage::Median => select::PASSES,
+            Stage::Threshold => match config.rescale {
+                Rescale::R3 { tau: Tau::Otsu | Tau::Kapur | Tau::Rosin, .. } => 1,
+                Rescale::R3 { tau: Tau::Noise { .. }, .. } => noise::PASSES,
+                _ => 0,
+            },
+            Stage::Rescale => u32::from(config.rescale != Rescale::None),
+            Stage::Filter if config.filter == Filter::None => 0,
+            Stage::Filter => u32::from(config.filter_steps),
+            // The tau of r3 serves both.
+            Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
+            Stage::StartMark | Stage::StartUp | Stage::StartDown => u32::from(starts_near),
+            // Regions are told apart by the image itself.
+            Stage::Edge => u32::from(config.scheme != Scheme::ChanVese),
+            Stage::Evolve if marches => 0,
+            Stage::Evolve => config.max_steps(),
+            Stage::Seed | Stage::Sow | Stage::Arrive => u32::from(marches),
+            // As many looks a row as a row has pixels, and a last row that finds no pixel left.
+            Stage::March if marches => march::looks(config.farthest()).saturating_add(1),
+            Stage::March => 0,
+            Stage::Done => 0,
+            _ => 1,
+        }
+    }
+
+    /// The most row operations that a stage can take in a frame of `height` rows.
+    pub fn rows(self, height: usize, stage: Stage) -> u64 {
+        u64::from(self.passes(stage)).saturating_mul(height as u64)
+    }
+
+    /// The most row operations of a whole run.
+    pub fn total_rows(self, height: usize) -> u64 {
+        self.steps().fold(0, |sum, step| sum.saturating_add(self.rows(height, step.stage)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every stage but the end has one place in each order.
+    #[test]
+    fn every_stage_has_a_place() {
+        for middle in [RESCALING_FIRST, FILTERING_FIRST] {
+            let stages = NORMALISING.iter().chain(&middle).chain(&SEGMENTING);
+            for stage in Stage::ALL.iter().filter(|stage| **stage != Stage::Done) {
+                assert_eq!(stages.clone().filter(|other| *other == stage).count(), 1, "{stage:?}");
+            }
+            assert_eq!(stages.count(), Stage::ALL.len() - 1);
+        }
+    }
+
+    #[test]
+    fn steps_follow_from_the_configuration() {
+        let stages =
+            |config: &Config| Plan::of(config).steps().map(|step| step.stage).collect::<heapless::Vec<_, 26>>();
+        let paper = stages(&Config::PAPER_F160);
+        assert_eq!(
+            paper[..],
+            [
+                Stage::Extremes,
+                Stage::Median,
+                Stage::Normalize,
+                Stage::Threshold,
+                Stage::Rescale,
+                Stage::Filter,
+                Stage::Gradient,
+                Stage::Edge,
+                Stage::Front,
+                Stage::Evolve,
+                Stage::Provisional,
+                Stage::Resolve,
+                Stage::Count,
+                Stage::Number,
+                Stage::Measure,
+            ]
+        );
+        let given = Rescale::R3 { beta: 8, tau: Tau::Value(0.3) };
+        let start = Start::Threshold { margin: 2.0 };
+        let near = Config { rescale: given, start, order: Order::FilterFirst, ..Config::PAPER_F160 };
+        let near = stages(&near.with_scheme(Scheme::FastMarching));
+        assert_eq!(near[3..8], [Stage::Filter, Stage::Rescale, Stage::StartMark, Stage::StartUp, Stage::StartDown]);
+        assert_eq!(near[11..15], [Stage::Seed, Stage::Sow, Stage::March, Stage::Arrive]);
+    }
+
+    #[test]
+    fn what_comes_after_is_the_next_step_that_is_not_left_out() {
+        let plan = Plan::of(&Config::PAPER_F160);
+        assert_eq!(plan.after(Stage::Extremes, |_| false), Stage::Median);
+        assert_eq!(plan.after(Stage::Extremes, |stage| stage == Stage::Median), Stage::Normalize);
+        assert_eq!(plan.after(Stage::Measure, |_| false), Stage::Done);
+        assert_eq!(plan.after(Stage::Sky, |_| false), Stage::Done, "a stage that the run does without");
+        assert!(plan.is_before_image(Stage::Median) && !plan.is_before_image(Stage::Normalize));
+        assert!(!plan.is_before_image(Stage::Evolve) && !plan.is_before_image(Stage::Done));
+    }
+}

@@ -1,0 +1,227 @@
+//! What each stage does to one row, or to a few of them.
+
+use super::{Segmenter, corrupted};
+use crate::arithmetic::{Arithmetic, Cell, Real};
+use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
+use crate::error::Error;
+use crate::front::march::March;
+use crate::front::scheme::{Evolve, Step};
+use crate::front::start;
+use crate::image::filter::{Heat, PeronaMalik};
+use crate::image::normalize;
+use crate::image::rescale::Rescaler;
+use crate::plane::sweep::{Band, Halo, Kernel, advance, row_of, row_of_mut};
+use crate::plane::tiles::{Tiles, rows_of_tile};
+use crate::run::frame::Frame;
+use crate::run::plan::reads_frame;
+use crate::run::stage::Stage;
+use crate::sources::catalog::Source;
+use crate::sources::label::{Damaged, Table, labelled_pieces};
+
+impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
+    /// One row of a stage that looks at no neighbours.
+    pub(super) fn single_row<F: Frame>(&mut self, y: usize, frame: &mut F) -> Result<(), Error<F::Error>> {
+        let width = self.width;
+        let state = &mut self.state;
+        let samples = self.memory.samples.get_mut(..width).unwrap_or(&mut []);
+        let image = row_of_mut(self.memory.image, width, y);
+        let counts = &mut *self.memory.counts;
+        if reads_frame(state.stage) {
+            frame.row(y, samples).map_err(Error::Frame)?;
+        }
+        match state.stage {
+            Stage::Extremes => state.extremes.observe(samples),
+            Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
+                state.select.observe(counts, samples.iter().copied());
+            }
+            Stage::Sky => {
+                if let Normalize::Noise { .. } = self.config.normalize {
+                    state.noise.observe(&state.select, counts, samples.iter().copied());
+                }
+            }
+            Stage::Normalize => normalize::row::<A>(state.range, state.fill, samples, image),
+            Stage::Threshold => {
+                let defined = image.iter().zip(samples).filter(|(_, pixel)| pixel.is_finite());
+                let values = defined.map(|(cell, _)| A::pixel(*cell).to_f32());
+                if let Rescale::R3 { tau: Tau::Noise { .. }, .. } = self.config.rescale {
+                    state.noise.observe(&state.select, counts, values);
+                } else {
+                    values.for_each(|value| counts.add(value));
+                }
+            }
+            Stage::Rescale => {
+                if let Some(rescaler) = Rescaler::<A>::new(self.config.rescale, A::Real::of(state.tau)) {
+                    rescaler.row(image);
+                }
+            }
+            Stage::StartLevel => image.iter().for_each(|&cell| counts.add(A::pixel(cell).to_f32())),
+            Stage::StartMark | Stage::StartUp | Stage::StartDown => self.start_row(y),
+            Stage::Front => self.front_row(y).map_err(corrupted)?,
+            Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => self.march_row(y),
+            _ => self.label_row(y).map_err(corrupted)?,
+        }
+        Ok(())
+    }
+
+    fn front_row(&mut self, y: usize) -> Result<(), &'static str> {
+        let row = row_of_mut(self.memory.front, self.width, y);
+        match self.config.start {
+            Start::Frame => self.profile.row::<A>(y, row),
+            Start::Threshold { margin } => self.profile.outside_row::<A>(margin, row),
+            Start::Given => {
+                for cell in row {
+                    let value = A::level(*cell).to_f32();
+                    if !value.is_finite() {
+                        return Err("the given front: a value is not finite");
+                    }
+                    *cell = A::to_level(A::Real::of(self.profile.saturate(value)));
+                }
+            }
+        }
+        if self.config.scheme == Scheme::ChanVese {
+            let image = row_of(self.memory.image, self.width, y);
+            self.state.regions.add_row::<A>(row_of(self.memory.front, self.width, y), image);
+        }
+        Ok(())
+    }
+
+    fn start_row(&mut self, y: usize) {
+        let Start::Threshold { margin } = self.config.start else { return };
+        let (width, last) = (self.width, self.height.saturating_sub(1));
+        let front = &mut *self.memory.front;
+        match self.state.stage {
+            Stage::StartMark => {
+                let image = row_of(self.memory.image, width, y);
+                start::mark_row::<A>(image, self.state.tau, margin, row_of_mut(front, width, y));
+            }
+            // The rows above y are not touched: the row before lies at a lower index.
+            Stage::StartUp => {
+                let (before, rest) = front.split_at_mut_checked(y.saturating_mul(width)).unwrap_or((&mut [], &mut []));
+                start::spread_row::<A>(row_of(before, width, y.wrapping_sub(1)), row_of_mut(rest, width, 0));
+            }
+            _ => {
+                let y_down = last.saturating_sub(y);
+                let end = y_down.saturating_add(1).saturating_mul(width);
+                let (rows, after) = front.split_at_mut_checked(end).unwrap_or((&mut [], &mut []));
+                let before = if y == 0 { &[] } else { row_of(after, width, 0) };
+                start::spread_row::<A>(before, row_of_mut(rows, width, y_down));
+            }
+        }
+    }
+
+    fn march_row(&mut self, y: usize) {
+        if !S::MARCHES {
+            return;
+        }
+        let (width, pixels) = (self.width, self.width.saturating_mul(self.height));
+        let front = self.memory.front.get_mut(..pixels).unwrap_or(&mut []);
+        let speed = self.memory.image.get(..pixels).unwrap_or(&[]);
+        let state = &mut self.state;
+        match state.stage {
+            Stage::Seed => March::seed_row::<A>(row_of_mut(front, width, y)),
+            Stage::Sow => state.march.sow_row::<A>(front, speed, width, y),
+            Stage::March => state.marching = state.march.advance::<A>(front, speed, width, width),
+            _ => March::level_row::<A>(row_of_mut(front, width, y), self.config.farthest()),
+        }
+    }
+
+    fn label_row(&mut self, y: usize) -> Result<(), &'static str> {
+        let (width, state) = (self.width, &mut self.state);
+        let mut table = Table::new(self.memory.image);
+        let start = y.saturating_mul(width);
+        let (before, rest) = self.memory.front.split_at_mut_checked(start).unwrap_or((&mut [], &mut []));
+        let row = row_of_mut(rest, width, 0);
+        let before = row_of(before, width, y.wrapping_sub(1));
+        // The columns that no front can have reached.
+        let far = |margin: &usize| (*margin..self.height.saturating_sub(*margin)).contains(&y);
+        let unreached =
+            self.config.beyond_reach().filter(far).map_or(0..0, |margin| margin..width.saturating_sub(margin));
+        // The table passes take as many labels a row as a row has pixels.
+        let first_label = u32::try_from(start).unwrap_or(u32::MAX).saturating_add(1);
+        let last_label = first_label.saturating_add(width as u32).saturating_sub(1).min(state.labels);
+        match state.stage {
+            Stage::Provisional => {
+                let samples = self.memory.samples.get(..width).unwrap_or(&[]);
+                let connectivity = self.config.connectivity;
+                let in_mask = |(cell, pixel): (&A::Cell, &f32)| A::level(*cell) > A::Real::ZERO && pixel.is_finite();
+                let count = |columns: core::ops::Range<usize>| {
+                    let cells = row.get(columns.clone()).unwrap_or(&[]).iter();
+                    cells.zip(samples.get(columns).unwrap_or(&[])).filter(|&pixel| in_mask(pixel)).count() as u32
+                };
+                state.mask_pixels = state.mask_pixels.saturating_add(count(0..width));
+                state.unreached = state.unreached.saturating_add(count(unreached));
+                let unlabelled = table
+                    .provisional_row::<A>(row, before, samples, connectivity, &mut state.labels)
+                    .map_err(LABELS)?;
+                state.unlabelled = state.unlabelled.saturating_add(unlabelled);
+            }
+            Stage::Resolve => {
+                for label in first_label..=last_label {
+                    table.resolve(label).map_err(LABELS)?;
+                }
+            }
+            Stage::Count => {
+                table.count_row(row).map_err(LABELS)?;
+                table.drop_row(row.get(unreached).unwrap_or(&[]));
+            }
+            Stage::Number => {
+                for label in first_label..=last_label {
+                    table.number(label, self.config.min_area, &mut state.numbered).map_err(LABELS)?;
+                }
+            }
+            _ => {
+                table.final_row(row).map_err(LABELS)?;
+                measure_row(row, y, self.memory.samples, state.range.low, self.memory.sources);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn sweep_image<K: Kernel<A, 3>>(&mut self, kernel: &mut K, end: usize) {
+        let rows = self.state.row..end;
+        let pixels = self.width.saturating_mul(self.height);
+        let image = self.memory.image.get_mut(..pixels).unwrap_or(&mut []);
+        let mut band = Band { plane: image, aux: &[], ring: self.memory.ring, width: self.width, halo: Halo::NONE };
+        advance::<A, K, 3>(kernel, &mut band, rows);
+    }
+
+    pub(super) fn filter_rows(&mut self, end: usize) {
+        match self.config.filter {
+            Filter::None => {}
+            Filter::Heat => self.sweep_image(&mut Heat::<A>::new(&self.config), end),
+            Filter::PeronaMalik { diffusivity, mu } => {
+                self.sweep_image(&mut PeronaMalik::<A>::new(&self.config, diffusivity, mu), end);
+            }
+        }
+    }
+
+    pub(super) fn evolve_rows(&mut self, end: usize) {
+        let pixels = self.width.saturating_mul(self.height);
+        let front = self.memory.front.get_mut(..pixels).unwrap_or(&mut []);
+        let speed = self.memory.image.get(..pixels).unwrap_or(&[]);
+        let rows = self.state.row..end;
+        let mut band = Band { plane: front, aux: speed, ring: self.memory.ring, width: self.width, halo: Halo::NONE };
+        let mut tiles = Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height));
+        let mut step = Step { settle: self.settle, change: self.state.change, means: self.state.regions.means };
+        self.scheme.advance(&mut band, &mut tiles, rows, &mut step);
+        self.state.change = step.change;
+        if end == self.height {
+            tiles.turn(&[], &[]);
+        }
+    }
+}
+
+/// What a damaged label table is called.
+const LABELS: fn(Damaged) -> &'static str = |_| "the label table";
+
+/// Adds a row of labelled pixels to their sources; sources beyond the catalogue are left out.
+fn measure_row<C: Cell>(labels: &[C], y: usize, pixels: &[f32], floor: f32, sources: &mut [Source]) {
+    for (start, piece) in labelled_pieces(labels) {
+        let cells = (start as u32..).zip(piece).zip(pixels.get(start..).unwrap_or(&[]));
+        for ((x, cell), &pixel) in cells.filter(|((_, cell), _)| cell.bits() != C::BLANK.bits()) {
+            if let Some(source) = (cell.label() as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
+                source.add(x, y as u32, pixel, floor);
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! A run written out between two polls, and taken up again, perhaps elsewhere.
+//!
+//! All words are little-endian, 32 bits. In order: the header (magic, version, code of the
+//! arithmetic, columns, rows, sources in the catalogue, CRC-32 of the configuration), the state,
+//! the counts, the image plane, the front plane, the ring of old rows (cells of 2 or 4 bytes as they are), the
+//! flags of the tiles, the catalogue, and the CRC-32 of everything before. Nothing is buffered beyond 64 bytes.
+
+use crate::arithmetic::Arithmetic;
+use crate::arithmetic::codec::{Codec, Reader, Writer};
+use crate::arithmetic::digest::Digest;
+use crate::config::Config;
+use crate::plane::sweep::ring_len;
+use crate::run::memory::{Memory, flags_len};
+use crate::run::state::State;
+use crate::sky::otsu::BINS;
+use crate::sources::catalog::Source;
+use core::fmt;
+
+/// "SkyF", little-endian.
+const MAGIC: u32 = 0x4679_6B53;
+/// Changes with the format.
+const VERSION: u32 = 5;
+/// Words of the header, of the state and of a source.
+const HEADER_WORDS: usize = 7;
+const STATE_WORDS: usize = 116;
+const SOURCE_WORDS: usize = 25;
+
+/// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will
+/// only report [`crate::error::Error::Corrupted`]; set up another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SnapshotError<E> {
+    /// The medium failed or ended early.
+    Read(E),
+    /// It is no snapshot, or that of another version, arithmetic, size, catalogue or configuration.
+    Foreign {
+        /// Which of these.
+        what: &'static str,
+    },
+    /// The checksum fails, or the state is none that a run can be in.
+    Damaged,
+}
+
+impl<E: fmt::Display> fmt::Display for SnapshotError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SnapshotError::Read(error) => write!(f, "reading the snapshot: {error}"),
+            SnapshotError::Foreign { what } => write!(f, "the snapshot has another {what} than this run"),
+            SnapshotError::Damaged => write!(f, "the snapshot is damaged"),
+        }
+    }
+}
+
+impl<E: fmt::Debug + fmt::Display> core::error::Error for SnapshotError<E> {}
+
+/// What a snapshot must agree on with the run that takes it up.
+struct Header([(u32, &'static str); HEADER_WORDS]);
+
+impl Header {
+    fn of<A: Arithmetic>(config: &Config, width: usize, height: usize, sources: usize) -> Header {
+        Header([
+            (MAGIC, "kind of contents"),
+            (VERSION, "format version"),
+            (u32::from(A::CODE), "arithmetic"),
+            (width as u32, "width"),
+            (height as u32, "height"),
+            (sources as u32, "length of the catalogue"),
+            (config.digest(), "configuration"),
+        ])
+    }
+}
+
+/// Bytes of a snapshot, for cells of `cell_bytes`, a kernel of `window` rows and `sources`.
+pub const fn bytes(width: usize, height: usize, cell_bytes: usize, window: usize, sources: usize) -> usize {
+    let words = HEADER_WORDS + STATE_WORDS + BINS + SOURCE_WORDS * sources + flags_len(width, height) + 1;
+    4 * words + cell_bytes * (2 * width * height + ring_len(width, window))
+}
+
+/// A run, as a snapshot sees it.
+pub(crate) struct Parts<'a, 'm, A: Arithmetic> {
+    pub config: &'a Config,
+    pub width: usize,
+    pub height: usize,
+    pub window: usize,
+    /// The bound on row operations.
+    pub bound: u64,
+    pub memory: &'a mut Memory<'m, A>,
+    pub state: &'a mut State<A>,
+}
+
+impl<A: Arithmetic> Parts<'_, '_, A> {
+    fn header(&self) -> Header {
+        Header::of::<A>(self.config, self.width, self.height, self.memory.sources.len())
+    }
+
+    /// Everything after the header, out or in.
+    fn body<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        let pixels = self.width.saturating_mul(self.height);
+        self.state.code(codec)?;
+        self.memory.counts.0.iter_mut().try_for_each(|count| codec.word(count))?;
+        codec.cells(self.memory.image.get_mut(..pixels).unwrap_or(&mut []))?;
+        codec.cells(self.memory.front.get_mut(..pixels).unwrap_or(&mut []))?;
+        codec.cells(self.memory.ring.get_mut(..ring_len(self.width, self.window)).unwrap_or(&mut []))?;
+        for flag in self.memory.tiles.iter_mut() {
+            let mut word = u32::from(*flag);
+            codec.word(&mut word)?;
+            *flag = word as u8;
+        }
+        self.memory.sources.iter_mut().try_for_each(|source: &mut Source| source.code(codec))
+    }
+
+    /// Writes the run out. It is left as it was.
+    pub fn save<E>(&mut self, write: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
+        let mut writer = Writer { write, digest: Digest::default() };
+        for (mut word, _) in self.header().0 {
+            writer.word(&mut word)?;
+        }
+        self.body(&mut writer)?;
+        let mut sum = writer.digest.value();
+        writer.word(&mut sum)
+    }
+
+    /// Takes a run up. After an error the memory holds nothing of use.
+    pub fn restore<E>(&mut self, read: impl FnMut(&mut [u8]) -> Result<(), E>) -> Result<(), SnapshotError<E>> {
+        let mut reader = Reader { read, digest: Digest::default() };
+        for (expected, what) in self.header().0 {
+            let mut word = 0;
+            reader.word(&mut word).map_err(SnapshotError::Read)?;
+            if word != expected {
+                return Err(SnapshotError::Foreign { what });
+            }
+        }
+        self.body(&mut reader).map_err(SnapshotError::Read)?;
+        let (found, mut sum) = (reader.digest.value(), 0);
+        reader.word(&mut sum).map_err(SnapshotError::Read)?;
+        let sound = self.state.is_sound(self.config, self.width, self.height, self.bound);
+        if sum == found && sound { Ok(()) } else { Err(SnapshotError::Damaged) }
+    }
+}

@@ -1,0 +1,66 @@
+//! Photon noise: how the variance of a pixel grows with its brightness.
+//!
+//! A second difference along both axes takes away what is smooth (Immerkaer 1996,
+//! doi:10.1006/cviu.1996.0060); its scatter on pixels of like brightness, against that on sky,
+//! is the image's own photon transfer curve.
+
+use crate::arithmetic::{Level, Real};
+use crate::plane::field::Field;
+use crate::plane::sort::{Keys, median};
+
+/// Brightness from which the curve is read; each level is twice the one before it.
+const FAINTEST: f32 = 4.0;
+/// Levels of brightness.
+const LEVELS: u32 = 4;
+/// Pixels that a level must have.
+const ENOUGH: usize = 100;
+
+/// The photon noise `a` of a signal-to-noise image: a pixel of brightness v has the variance
+/// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
+/// where no level has enough pixels. `fine` is the signal lightly smoothed, `masked` above 0 near
+/// sources. Cost: five looks at each pixel.
+pub fn slope<L: Level>(signal: Field<'_, L>, fine: &[L], masked: &[L], mut keys: Keys<'_>) -> f32 {
+    let mut scatter = |from: f32, to: f32, sky: bool| {
+        let stride = if sky { keys.stride(fine.len()) } else { 1 };
+        let pixels = fine.iter().zip(masked).enumerate().step_by(stride);
+        let (from, to) = (L::of(from), L::of(to));
+        let wanted = |bright: L, mask: L| if sky { mask <= L::ZERO } else { bright >= from && bright < to };
+        let wanted = pixels.filter(|(_, (bright, mask))| wanted(**bright, **mask));
+        let sorted = keys.sorted(wanted.filter_map(|(at, _)| second_difference(signal, at)));
+        (sorted.len() >= ENOUGH).then(|| median::<L>(sorted).to_f32())
+    };
+    let Some(sky) = scatter(0.0, 0.0, true).filter(|&sky| sky > 0.0) else { return 0.0 };
+    let mut least = None;
+    let mut from = FAINTEST;
+    for _ in 0..LEVELS {
+        if let Some(level) = scatter(from, 2.0 * from, false) {
+            let ratio = level / sky;
+            // The middle of the level, in the logarithm.
+            let slope = (ratio * ratio - 1.0) / (from * core::f32::consts::SQRT_2);
+            least = Some(if least.is_some_and(|least| least < slope) { least.unwrap_or(slope) } else { slope });
+        }
+        from *= 2.0;
+    }
+    least.filter(|&slope| slope > 0.0).unwrap_or(0.0)
+}
+
+/// The size of the difference along x of the difference along y; `None` at the frame's border.
+fn second_difference<L: Level>(field: Field<'_, L>, at: usize) -> Option<L> {
+    let (grid, (x, y)) = (field.grid, field.grid.place(at));
+    if x == 0 || x + 1 == grid.width.get() || y == 0 || y + 1 == grid.height {
+        return None;
+    }
+    let bend = |before: L, own: L, after: L| before - (own + own) + after;
+    let row = |middle: usize| bend(field.at(middle - 1), field.at(middle), field.at(middle + 1));
+    let width = grid.width.get();
+    Some(bend(row(at - width), row(at), row(at + width)).magnitude())
+}
+
+/// The photon noise counts with this factor in the variance: the measured one is a lower bound.
+const PHOTON_MARGIN: f32 = 1.5;
+
+/// How much larger the noise is at the brightness `value` for the photon noise `photon` (see
+/// [`crate::sky::photon`]).
+pub fn grown<L: Level>(photon: f32, value: L) -> L {
+    (L::ONE + value.positive().scaled(L::Weight::of(PHOTON_MARGIN * photon))).root()
+}

@@ -1,0 +1,35 @@
+//! The corner of a histogram with one peak, of Rosin (doi:10.1016/S0031-3203(00)00136-9): for
+//! frames of much sky and few objects, where the objects make no peak of their own.
+
+use crate::sky::otsu::{BINS, Histogram};
+
+impl Histogram {
+    /// The upper edge of the bin that lies farthest below the straight line from the highest bin
+    /// (the first of equals) down to the first empty one behind the last bin in use; 0 where all
+    /// values share a bin. The last bin, where clipped values gather, is no peak. Exact: the
+    /// distances are compared as integers.
+    pub fn rosin(&self) -> f32 {
+        let (mut peak, mut height) = (0, 0);
+        for (bin, &n) in self.0.iter().enumerate().take(BINS - 1).filter(|(_, n)| **n > 0) {
+            if n > height {
+                (peak, height) = (bin, n);
+            }
+        }
+        let end = self.0.iter().rposition(|&n| n > 0).map_or(0, |last| last + 1);
+        let first = self.0.iter().position(|&n| n > 0).unwrap_or(0);
+        if first + 1 >= end {
+            return 0.0;
+        }
+        let run = end.saturating_sub(peak) as u64;
+        let (mut best, mut corner) = (0i64, peak);
+        for (bin, &n) in self.0.iter().enumerate().take(end).skip(peak) {
+            let line = u64::from(height).saturating_mul(end.saturating_sub(bin) as u64);
+            // The distance times the length of the line.
+            let depth = line as i64 - u64::from(n).saturating_mul(run) as i64;
+            if depth > best {
+                (best, corner) = (depth, bin);
+            }
+        }
+        (corner + 1) as f32 / BINS as f32
+    }
+}

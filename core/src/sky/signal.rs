@@ -1,0 +1,216 @@
+//! The signal-to-noise of a frame, smoothed, and the mask of its sources.
+
+use crate::arithmetic::{Level, Real};
+use crate::plane::grid::Grid;
+use crate::plane::smooth::Weights;
+use crate::plane::sort::{Keys, median};
+use crate::run::detect::{Known, SCALES, Workspace};
+use crate::sky::spike::cleaned;
+use crate::sky::tail::Tail;
+use crate::sky::{Mesh, Seen, Survey, Values};
+
+/// Smoothing goes on where the change is below this, in its noise.
+const LEPSKI: f32 = 1.7;
+
+/// A frame with what is known of it.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// W x H, row-major.
+    pub pixels: &'a [f32],
+    /// Its shape.
+    pub grid: Grid,
+    /// Sky and noise that were given.
+    pub known: &'a Known<'a>,
+    /// How its values came about.
+    pub values: Values,
+}
+
+impl<'a> View<'a> {
+    /// Looks at a frame.
+    pub fn of(pixels: &'a [f32], grid: Grid, known: &'a Known<'a>, keys: Keys<'_>) -> View<'a> {
+        let values = Values::measure(pixels, grid.width.get(), |at| known.allows(at), keys);
+        View { pixels, grid, known, values }
+    }
+
+    /// Whether a pixel is an observation that may be used.
+    pub fn is_defined(&self, at: usize) -> bool {
+        self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
+    }
+
+    /// The two defined pixels of its row, or else of its column, between which an undefined one lies.
+    fn between(&self, at: usize) -> Option<[usize; 2]> {
+        let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(at));
+        let defined = |pair: &[usize; 2]| pair.iter().all(|&at| self.is_defined(at));
+        let row = (x > 0 && x + 1 < width.get()).then(|| [at - 1, at + 1]).filter(defined);
+        let column = || (y > 0 && y + 1 < height).then(|| [at - width.get(), at + width.get()]).filter(defined);
+        row.or_else(column)
+    }
+
+    /// Whether there is a signal: the pixel is defined, or lies between two that are.
+    pub fn has_signal(&self, at: usize) -> bool {
+        self.is_defined(at) || self.between(at).is_some()
+    }
+}
+
+/// Signal-to-noise of every pixel, spikes replaced; an undefined pixel has the mean of the two
+/// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
+/// to divide by.
+pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Option<Survey> {
+    let &View { pixels, grid, known, values } = view;
+    let width = grid.width.get();
+    let mut keys = Keys(work.parents, work.order);
+    let masked = &*work.masked;
+    let seen = |at: usize| match (view.is_defined(at), masked.get(at).is_none_or(|&mask| mask <= L::ZERO)) {
+        (false, _) => Seen::Undefined,
+        (true, false) => Seen::Source,
+        (true, true) => Seen::Sky,
+    };
+    let mut mesh = Mesh::over(work.mesh, (width, grid.height));
+    let survey = mesh.measure(pixels, seen, &values, keys.again());
+    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
+    let mut factor = 1.0;
+    if known.relative {
+        let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
+        factor = typical(ratio, pixels.len(), keys);
+    }
+    let mut noise_seen = false;
+    for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
+        let sky = sky_at(at);
+        let level = Known::value(known.background, at).unwrap_or(sky.level);
+        let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
+        let signal = (pixel - level) / noise;
+        let usable = view.is_defined(at) && noise > 0.0 && signal.is_finite();
+        noise_seen |= usable;
+        *out = if usable { L::of(signal) } else { L::ZERO };
+    }
+    bridge(view, work.scratch);
+    let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
+    for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
+        let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
+        for (x, out) in out.iter_mut().enumerate() {
+            *out = cleaned(rows, x);
+        }
+    }
+    noise_seen.then_some(survey)
+}
+
+/// Gives undefined pixels between two defined ones their mean.
+fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
+    let half = L::Weight::of(0.5);
+    for at in (0..signal.len()).filter(|&at| !view.is_defined(at)) {
+        let Some(pair) = view.between(at) else { continue };
+        let [before, after] = pair.map(|at| signal.get(at).map_or(L::ZERO, |signal| signal.scaled(half)));
+        if let Some(signal) = signal.get_mut(at) {
+            *signal = before + after;
+        }
+    }
+}
+
+/// The median of the positive values of a sample; 1 where there are none.
+fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
+    let positive = |value: &f32| value.is_finite() && *value > 0.0;
+    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
+    if sorted.is_empty() { 1.0 } else { median(sorted) }
+}
+
+/// Fills the fine and the smooth plane; gives the noise of the fine one.
+pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Tail<L> {
+    let (grid, piled) = (view.grid, view.values.piled);
+    let [scale, ..] = SCALES;
+    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
+    let fine = &*work.fine;
+    let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
+    let tail = Tail::measure(|at| value(fine, at), work.masked, piled, Keys(work.parents, work.order));
+    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
+    let detail = |at: usize| value(fine, at) - value(work.smooth, at);
+    let details = Tail::measure(detail, work.masked, piled, Keys(work.parents, work.order));
+    let least = details.noise.scaled(L::Weight::of(LEPSKI));
+    for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
+        if (fine - *smooth).magnitude() >= least {
+            *smooth = fine;
+        }
+    }
+    tail
+}
+
+/// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
+/// two pixels of them, and what has no signal.
+pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Workspace<'_, L>) {
+    let grid = view.grid;
+    let (source, perhaps) = (L::ONE, L::of(0.5));
+    for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
+        *fine = match (smooth > outline, *fine > peak) {
+            (true, true) => source,
+            (true, false) => perhaps,
+            _ => L::ZERO,
+        };
+    }
+    // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
+    let marks = &mut *work.fine;
+    for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
+        let marked = |at: usize| marks.get(at).is_some_and(|&mark| mark == source);
+        if marks.get(index).is_some_and(|&mark| mark == perhaps)
+            && grid.neighbours(index).any(marked)
+            && let Some(mark) = marks.get_mut(index)
+        {
+            *mark = source;
+        }
+    }
+    for mark in marks.iter_mut().filter(|mark| **mark < source) {
+        *mark = L::ZERO;
+    }
+    let [_, growth, ..] = SCALES;
+    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
+    let near = L::of(0.2);
+    for cell in work.masked.iter_mut() {
+        *cell = if *cell > near { L::ONE } else { L::ZERO };
+    }
+    mask_undefined(view, work.masked);
+}
+
+/// Masks the pixels without a signal: they would count as quiet sky.
+pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
+    for (_, mask) in masked.iter_mut().enumerate().filter(|(at, _)| !view.has_signal(*at)) {
+        *mask = L::ONE;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    extern crate std;
+
+    const X: f32 = f32::NAN;
+    #[rustfmt::skip]
+    const PIXELS: [f32; 20] = [
+        1.0, X, 3.0, X, X,
+        4.0, 5.0, X, 7.0, 8.0,
+        X, X, 9.0, X, X,
+        2.0, X, X, X, 6.0,
+    ];
+
+    #[test]
+    fn undefined_pixels_between_defined_ones_have_their_mean() {
+        let grid = Grid::of(20, 5).unwrap();
+        let (mut keys, mut spare) = ([0; 20], [0; 20]);
+        let known = Known::default();
+        let view = View::of(&PIXELS, grid, &known, Keys(&mut keys, &mut spare));
+        let mut signal = PIXELS.map(|pixel| if pixel.is_nan() { 0.0 } else { pixel });
+        bridge(&view, &mut signal);
+        #[rustfmt::skip]
+        let expected = [
+            1.0, 2.0, 3.0, 0.0, 0.0,
+            4.0, 5.0, 6.0, 7.0, 8.0,
+            3.0, 0.0, 9.0, 0.0, 7.0,
+            2.0, 0.0, 0.0, 0.0, 6.0,
+        ];
+        assert_eq!(signal, expected);
+        let mut masked = [0.0; 20];
+        mask_undefined(&view, &mut masked);
+        for (at, mask) in masked.into_iter().enumerate() {
+            assert_eq!(mask == 1.0, expected[at] == 0.0, "pixel {at}");
+            assert_eq!(view.has_signal(at), mask == 0.0);
+        }
+    }
+}

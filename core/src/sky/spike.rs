@@ -1,0 +1,98 @@
+//! Hot pixels and cosmic rays: values that stand alone.
+
+use crate::arithmetic::{Level, Real};
+use crate::plane::sort;
+
+/// The most that a pixel's value may exceed its neighbours by, in noise units.
+const HEIGHT: f32 = 5.0;
+/// A pixel whose neighbours' median reaches this part of it is a star.
+const SHARE: f32 = 0.25;
+/// So is one whose four neighbours across an edge have this part of it together: a star so sharp
+/// that it lights hardly two by two pixels still has a third of its brightest pixel there, wherever
+/// in a pixel its centre lies.
+const EDGE_SHARE: f32 = 0.3;
+
+/// The value at `x` of the middle of three rows of signal-to-noise: its own, or where it is a
+/// spike the median of its neighbours. Rows beyond the frame are empty.
+pub fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {
+    let [_, row, _] = rows;
+    let own = row.get(x).copied().unwrap_or(L::ZERO);
+    let height = L::of(HEIGHT);
+    if own <= height {
+        return own;
+    }
+    let median = median_around(rows, x);
+    let below = |light: L, share: f32| light < own.scaled(L::Weight::of(share));
+    let alone = below(median.positive() + L::ONE, SHARE) && below(across_edges(rows, x), EDGE_SHARE);
+    if own - median > height && alone { median } else { own }
+}
+
+/// The median of the up to eight neighbours of a pixel.
+fn median_around<L: Level>(rows: [&[L]; 3], x: usize) -> L {
+    let (mut near, mut count) = ([L::ZERO; 8], 0);
+    for (index, row) in rows.into_iter().enumerate() {
+        for column in x.saturating_sub(1)..x + 2 {
+            if let (Some(&value), Some(out), false) = (row.get(column), near.get_mut(count), index == 1 && column == x)
+            {
+                *out = value;
+                count += 1;
+            }
+        }
+    }
+    let near = near.get_mut(..count).unwrap_or(&mut []);
+    sort::few(near, |a, b| a.key() < b.key());
+    let at = |index: usize| near.get(index).copied().unwrap_or(L::ZERO);
+    (at(count / 2) + at(count.saturating_sub(1) / 2)).scaled(L::Weight::of(0.5))
+}
+
+/// The sum of the four neighbours across an edge; those beyond the frame have nothing.
+fn across_edges<L: Level>([below, row, above]: [&[L]; 3], x: usize) -> L {
+    let at = |row: &[L], x: usize| row.get(x).copied().unwrap_or(L::ZERO);
+    (at(row, x.wrapping_sub(1)) + at(row, x + 1)) + (at(below, x) + at(above, x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The light of a Gaussian star of standard deviation `sigma` in the pixels around the brightest,
+    /// in units of what is there; `x` and `y` are where in that pixel its centre lies.
+    fn star(sigma: f32, x: f32, y: f32) -> [[f32; 3]; 3] {
+        let until = |edge: f32, centre: f32| libm::erff((edge - centre) / (core::f32::consts::SQRT_2 * sigma));
+        let part = |pixel: usize, centre: f32| {
+            let from = pixel as f32 - 1.5;
+            0.5 * (until(from + 1.0, centre) - until(from, centre))
+        };
+        let brightest = part(1, x) * part(1, y);
+        core::array::from_fn(|row| core::array::from_fn(|column| part(row, y) * part(column, x) / brightest))
+    }
+
+    fn middle(image: [[f32; 3]; 3], peak: f32) -> f32 {
+        let rows = image.map(|row| row.map(|value| value * peak));
+        cleaned([&rows[0], &rows[1], &rows[2]], 1)
+    }
+
+    #[test]
+    fn the_sharpest_star_stays_wherever_in_a_pixel_it_lies() {
+        for step in 0..36 {
+            let place = |step: i32| 0.1 * step as f32 - 0.25;
+            let image = star(0.34, place(step % 6), place(step / 6));
+            assert_eq!(middle(image, 60.0), 60.0, "{image:?}");
+        }
+    }
+
+    #[test]
+    fn a_pixel_with_less_than_a_third_of_its_light_around_it_is_a_spike() {
+        let cross = |arm: f32| [[0.0, arm, 0.0], [arm, 1.0, arm], [0.0, arm, 0.0]];
+        assert_eq!(middle(cross(0.07), 100.0), 3.5, "the median of four at 0 and four at 7");
+        assert_eq!(middle(cross(0.08), 100.0), 100.0);
+        assert_eq!(middle(cross(0.0), 5.0), 5.0, "noise is no spike");
+    }
+
+    #[test]
+    fn at_the_edge_of_a_frame_the_neighbours_that_there_are_decide() {
+        let row = [100.0f32, 1.0, 0.0];
+        assert_eq!(cleaned([&[], &row, &[]], 0), 1.0);
+        assert_eq!(cleaned([&[], &[100.0f32, 40.0], &[40.0, 30.0]], 0), 100.0);
+    }
+}

@@ -1,0 +1,123 @@
+//! The noise of a smoothed plane, and how high its peaks reach.
+//!
+//! Photons and skies that are cut off at the black level have skew noise: more of its peaks are high
+//! than in a normal distribution of the same width. The height that noise exceeds as rarely is then
+//! that of E. A. Cornish and R. A. Fisher 1938, doi:10.2307/1400905, to the first order.
+
+use crate::arithmetic::{Level, Real};
+use crate::plane::sort::{Keys, median, ranked};
+
+/// From the distance between median and quartile to the standard deviation of a normal distribution.
+const FROM_QUARTILE: f32 = 1.4826;
+/// Values so many noise units from 0 are those of sources, not of the tail.
+const REACH: f32 = 6.0;
+/// Less skewness is that of faint sources.
+const LEAST: f32 = 0.15;
+/// More is not believed: the expansion ends there.
+const MOST: f32 = 2.5;
+
+/// The noise of a plane where no source is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tail<L> {
+    /// Its standard deviation.
+    pub noise: L,
+    /// Its skewness; 0 for a symmetric distribution.
+    pub skewness: f32,
+}
+
+impl<L: Level> Tail<L> {
+    /// The tail of `value(at)` over the pixels that `masked` has as not above 0. Sources are
+    /// positive: the lower half of the values gives the noise. Where the frame is `piled` up at its
+    /// least value the upper half counts as much, and the skewness is measured. Of large planes a sample
+    /// gives the noise. Cost: a sort of the sample; where piled, two looks at each pixel more.
+    pub fn measure(value: impl Fn(usize) -> L, masked: &[L], piled: bool, mut keys: Keys<'_>) -> Tail<L> {
+        let places = masked.iter().enumerate().step_by(keys.stride(masked.len()));
+        let sorted = keys.sorted(places.filter(|(_, mask)| **mask <= L::ZERO).map(|(at, _)| value(at)));
+        if sorted.len() < 16 {
+            return Tail { noise: L::ONE, skewness: 0.0 };
+        }
+        // The middle of each half's distances from the median.
+        let (half, centre) = (sorted.len() / 2, median::<L>(sorted));
+        let lower = centre - ranked(sorted, half - 1 - half / 2);
+        let upper = ranked::<L>(sorted, sorted.len() - half + half / 2) - centre;
+        let both = (lower + upper).scaled(L::Weight::of(0.5));
+        let quartile = if piled { lower.greatest(both) } else { lower };
+        let noise = quartile.scaled(L::Weight::of(FROM_QUARTILE));
+        let skewness = if piled { skewness(value, masked, noise) } else { 0.0 };
+        Tail { noise, skewness }
+    }
+
+    /// The value that noise exceeds as rarely as normal noise exceeds `height` standard deviations.
+    pub fn height(&self, height: f32) -> L {
+        self.noise.scaled(L::Weight::of(self.raised(height)))
+    }
+
+    /// The same in units of the noise.
+    pub fn raised(&self, height: f32) -> f32 {
+        height + self.skewness * (height * height - 1.0) / 6.0
+    }
+}
+
+/// The skewness of the values within [`REACH`], from sums in the order of the pixels.
+fn skewness<L: Level>(value: impl Fn(usize) -> L, masked: &[L], noise: L) -> f32 {
+    let reach = noise.scaled(L::Weight::of(REACH));
+    let sky = || masked.iter().enumerate().filter(|(_, mask)| **mask <= L::ZERO).map(|(at, _)| value(at));
+    let near = || sky().filter(|value| value.magnitude() <= reach).map(|value| f64::from(value.to_f32()));
+    let (count, sum) = near().fold((0u32, 0.0), |(count, sum), value| (count + 1, sum + value));
+    let mean = sum / f64::from(count.max(1));
+    let (squares, cubes) = near()
+        .map(|value| value - mean)
+        .fold((0.0, 0.0), |(squares, cubes), bend| (squares + bend * bend, cubes + bend * bend * bend));
+    let variance = squares / f64::from(count.max(1));
+    if variance <= 0.0 {
+        return 0.0;
+    }
+    let skewness = (cubes / f64::from(count.max(1)) / (variance * libm::sqrt(variance))) as f32;
+    if skewness < LEAST { 0.0 } else { skewness.least(MOST) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sky::noise::tests::normal;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    fn tail(values: &[f32], piled: bool) -> Tail<f32> {
+        let masked = std::vec![0.0; values.len()];
+        let (mut keys, mut spare) = (std::vec![0; values.len()], std::vec![0; values.len()]);
+        Tail::measure(|at| values[at], &masked, piled, Keys(&mut keys, &mut spare))
+    }
+
+    #[test]
+    fn normal_noise_reaches_the_height_of_the_table() {
+        let values = normal(10_000, 0.0, 2.0);
+        for piled in [false, true] {
+            let tail = tail(&values, piled);
+            assert!((tail.noise - 2.0).abs() < 0.01 && tail.skewness == 0.0, "{tail:?}");
+            assert_eq!(tail.height(4.0), 4.0 * tail.noise);
+        }
+    }
+
+    /// An exponential distribution has the skewness 2 and exceeds ln(1 / p) with probability p.
+    #[test]
+    fn skew_noise_reaches_higher() {
+        let values: Vec<f32> = (0..10_000).map(|n| -libm::logf((n as f32 + 0.5) / 1e4) - 1.0).collect();
+        let skew = tail(&values, true);
+        assert!((skew.skewness - 1.7).abs() < 0.3, "{skew:?}");
+        // Normal noise is above 3 with p = 0.00135.
+        let exact = libm::logf(1.0 / 0.00135) - 1.0;
+        assert!((skew.raised(3.0) - exact).abs() < 0.6, "{} beside {exact}", skew.raised(3.0));
+        let lower = tail(&values, false);
+        assert!(lower.skewness == 0.0 && lower.noise < skew.noise, "the lower half is narrow: {lower:?}");
+    }
+
+    #[test]
+    fn sources_do_not_count() {
+        let mut values = normal(10_000, 0.0, 1.0);
+        values.extend([500.0; 300]);
+        let tail = tail(&values, true);
+        assert!((tail.noise - 1.0).abs() < 0.05 && tail.skewness == 0.0, "{tail:?}");
+    }
+}

@@ -1,0 +1,103 @@
+//! Where the centres of sources are: at the peak, or in a flat source in the middle of its light;
+//! and which sources end in a plateau, as saturated stars do.
+
+use crate::arithmetic::{Level, Real};
+use crate::plane::field::Field;
+use crate::sky::photon::grown;
+use crate::sources::tree::Region;
+
+/// A source is wide when so many of its pixels are above half its peak: a disc of eight pixels.
+const WIDE: u32 = 50;
+/// A source of at least so many pixels there may be flat without being wide: a trailed star is.
+const FLAT_AREA: u32 = 20;
+/// It is, where the middle of these pixels and the place opposite its peak have this part of the
+/// peak; between two equal stars at one and a half of their widths is less.
+const FLAT: f32 = 0.85;
+/// A pixel with this part of its source's peak is of the plateau, if there is one.
+const LEVEL: f32 = 0.97;
+/// Pixels of a plateau, at least.
+const LEAST: f32 = 5.0;
+/// Of the pixels above half the peak a plateau has this part or more; of a Gaussian 0.044 are so high.
+const SHARE: f32 = 0.125;
+
+/// Centres wide and flat sources on their pixels above half the peak, for in these the brightest pixel
+/// is where the noise puts it; in a narrow one it is not, and neighbours would draw the centre away.
+/// Marks those whose top is level and its rim steep (see [`Region::plateau`]).
+///
+/// `field` is the plane that was divided. `light` is not sharpened, because that overshoots at a rim;
+/// `noise` is its noise, which grows with the photon noise `photon`.
+pub fn centre_on_light<L: Level>(
+    [field, light]: [Field<'_, L>; 2],
+    labels: &[u32],
+    regions: &mut [Region<L>],
+    (noise, photon): (L, f32),
+) {
+    for region in regions.iter_mut() {
+        (region.area, region.plateau, region.offsets) = (0, 0.0, (0.0, 0.0));
+    }
+    let half = L::Weight::of(0.5);
+    for (at, &label) in labels.iter().enumerate() {
+        if let Some(region) = region_of(regions, label)
+            && field.at(at) > field.at(region.peak as usize).scaled(half)
+        {
+            add(field, region, at);
+        }
+    }
+    for region in regions.iter_mut().filter(|region| region.plateau > 0.0) {
+        let middle = middle(field, region);
+        if region.area > WIDE || (region.area > FLAT_AREA && is_flat(light, region, middle)) {
+            region.centre = middle;
+        }
+        region.plateau = 0.0;
+    }
+    find_plateaus(light, labels, regions, (noise, photon));
+}
+
+fn region_of<L: Level>(regions: &mut [Region<L>], label: u32) -> Option<&mut Region<L>> {
+    regions.get_mut((label as usize).wrapping_sub(1))
+}
+
+/// Adds a pixel to those above half the peak.
+fn add<L: Level>(field: Field<'_, L>, region: &mut Region<L>, at: usize) {
+    let distance = |place: usize, peak: usize| place as f32 - peak as f32;
+    let ((x, y), (peak_x, peak_y)) = (field.grid.place(at), field.grid.place(region.peak as usize));
+    let value = field.at(at).to_f32();
+    region.area += 1;
+    region.plateau += value;
+    region.offsets.0 += value * distance(x, peak_x);
+    region.offsets.1 += value * distance(y, peak_y);
+}
+
+/// Counts the pixels of plateaus; `area` is that above half the peak.
+fn find_plateaus<L: Level>(light: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>], (noise, photon): (L, f32)) {
+    let level = L::Weight::of(LEVEL);
+    for (at, &label) in labels.iter().enumerate() {
+        if let Some(region) = region_of(regions, label)
+            && light.at(at) > light.at(region.peak as usize).scaled(level)
+        {
+            region.plateau += 1.0;
+        }
+    }
+    for region in regions.iter_mut() {
+        let top = light.at(region.peak as usize);
+        let seen = top - top.scaled(level) > noise * grown(photon, top);
+        if !seen || region.plateau < LEAST || region.plateau < SHARE * region.area as f32 {
+            region.plateau = 0.0;
+        }
+    }
+}
+
+/// Whether a region has nearly the light of its peak in its middle and opposite its peak.
+fn is_flat<L: Level>(light: Field<'_, L>, region: &Region<L>, middle: (L, L)) -> bool {
+    let peak = region.peak as usize;
+    let least = light.at(peak).scaled(L::Weight::of(FLAT));
+    [light.between(middle), light.mirrored(middle, peak)].into_iter().flatten().filter(|&light| light > least).count()
+        == 2
+}
+
+/// The middle of the light that was added to a region.
+fn middle<L: Level>(field: Field<'_, L>, region: &Region<L>) -> (L, L) {
+    let (x, y) = field.grid.place(region.peak as usize);
+    let along = |peak: usize, sum: f32| L::of(peak as f32 + sum / region.plateau);
+    (along(x, region.offsets.0), along(y, region.offsets.1))
+}

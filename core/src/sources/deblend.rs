@@ -1,0 +1,270 @@
+//! Whose light is it: pixels that a source's mirror image does not explain become sources, and
+//! at a border each pixel goes to the source that has the most light there.
+
+use crate::arithmetic::{Level, Real};
+use crate::config::Connectivity;
+use crate::config::detection::Detection;
+use crate::plane::field::{Field, opposite};
+use crate::plane::grid::Grid;
+use crate::sky::photon::grown;
+use crate::sources::tree::Region;
+use crate::sources::typical::Typical;
+
+/// A pixel under examination.
+const OPEN: u32 = 1 << 31;
+
+/// Light of the pixel beyond what its source, mirrored, has there.
+fn excess<L: Level>(field: Field<'_, L>, centre: (L, L), at: usize) -> L {
+    field.at(at) - field.mirrored(centre, at).unwrap_or(L::ZERO)
+}
+
+fn label_at(labels: &[u32], at: usize) -> u32 {
+    labels.get(at).copied().unwrap_or(0)
+}
+
+fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
+    regions.get((label as usize).wrapping_sub(1))
+}
+
+fn centre_of<L: Level>(regions: &[Region<L>], label: u32) -> (L, L) {
+    region_of(regions, label).map_or((L::ZERO, L::ZERO), |region| region.centre)
+}
+
+fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
+    region_of(regions, label).map_or(L::NOTHING, |region| region.sum)
+}
+
+/// A pixel belongs to another source where it has more than this many times its host's mirrored light.
+const OTHER: f32 = 2.0;
+/// The same for a pixel that begins a new source.
+const NEW: f32 = 2.5;
+
+/// More of the light across a centre than this part is another source's: the mirror says nothing.
+const FOREIGN: f32 = 0.25;
+
+/// What `other` alone has at a place: the light on its other side, less what the host, symmetric
+/// too, has there, as far as the frame shows it. `None` where the other side is beyond the frame.
+fn alone<L: Level>(field: Field<'_, L>, [host, other]: [(L, L); 2], place: (L, L)) -> Option<L> {
+    let across = opposite(other, place);
+    let light = field.between(across)?;
+    Some((light - field.between(opposite(host, across)).unwrap_or(L::ZERO)).positive())
+}
+
+/// The mirrored light of a source; `None` beyond the frame, and where too much of it is another's.
+fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>], label: u32, at: usize) -> Option<L> {
+    let centre = centre_of(regions, label);
+    let across = field.across(centre, at);
+    let light = field.between(across)?;
+    let other = field.nearest(across).map_or(0, |at| label_at(labels, at));
+    if other == 0 || other == label {
+        return Some(light);
+    }
+    let foreign = alone(field, [centre, centre_of(regions, other)], across).unwrap_or(L::ZERO);
+    (foreign <= light.scaled(L::Weight::of(FOREIGN))).then_some(light)
+}
+
+/// Opens the pixels that neither their host's mirrored light nor that of the frame's typical source
+/// explains, but none of a source that ends in a plateau, and makes each connected
+/// group of them a region that is large enough, also when a second source's light is taken away:
+/// where two large galaxies meet there is the light of both. `noise` is that of a pixel without
+/// light, `photon` how it grows; `queue` is as long as the plane. Gives the new number of
+/// regions, and how many found no room in the table.
+pub fn reopen<L: Level>(
+    (field, typical): (Field<'_, L>, Typical<'_>),
+    (noise, photon): (L, f32),
+    labels: &mut [u32],
+    queue: &mut [u32],
+    regions: &mut [Region<L>],
+    mut count: usize,
+    setting: &Detection,
+) -> (usize, u32) {
+    let mut left_out = 0;
+    let (new, least) = (L::Weight::of(NEW), L::of(setting.excess * noise.to_f32()));
+    let significant = |at: usize, host: L| field.at(at) - host > least * grown(photon, field.at(at));
+    for at in 0..labels.len() {
+        let label = label_at(labels, at);
+        let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
+        if let Some(mirrored) = field.mirrored(region.centre, at)
+            && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
+            && field.at(at) > host.scaled(new)
+            && significant(at, host)
+            && let Some(cell) = labels.get_mut(at)
+        {
+            *cell |= OPEN;
+        }
+    }
+    for first in 0..labels.len() {
+        let open = label_at(labels, first);
+        if open & OPEN == 0 {
+            continue;
+        }
+        let host = open & !OPEN;
+        let (known, beside) =
+            gather((field.grid, setting.connectivity), first, (labels, queue), |label| light_of(regions, label));
+        let group = queue.get(..known).unwrap_or(&[]);
+        let unexplained = {
+            let explained = explained((field, typical), labels, regions, [host, beside]);
+            group.iter().filter(|&&at| significant(at as usize, explained(at as usize))).count()
+        };
+        if (unexplained as u32) < setting.reopened_area {
+            continue;
+        }
+        if count >= regions.len() {
+            left_out += 1;
+            continue;
+        }
+        add(field, group, host, regions, count);
+        count += 1;
+        for &at in group {
+            if let Some(label) = labels.get_mut(at as usize) {
+                *label = count as u32;
+            }
+        }
+    }
+    (count, left_out)
+}
+
+/// Gives a connected group of open pixels back to its host and lists it in the queue. Gives its
+/// length, and of the other sources beside it the one with the most light; 0 for none.
+fn gather<S: PartialOrd>(
+    (grid, connectivity): (Grid, Connectivity),
+    first: usize,
+    (labels, queue): (&mut [u32], &mut [u32]),
+    light: impl Fn(u32) -> S,
+) -> (usize, u32) {
+    let open = label_at(labels, first);
+    let host = open & !OPEN;
+    let (mut known, mut next, mut beside) = (0, 0, 0);
+    let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
+        if let (Some(label), Some(place)) = (labels.get_mut(at), queue.get_mut(known)) {
+            (*label, *place) = (host, at as u32);
+            known += 1;
+        }
+        known
+    };
+    let mut end = take(first, labels, queue);
+    while next < end {
+        let at = queue.get(next).map_or(0, |&at| at as usize);
+        next += 1;
+        for near in grid.neighbours(at).take(connectivity.neighbours()) {
+            let label = label_at(labels, near);
+            if label == open {
+                end = take(near, labels, queue);
+            } else if label & !OPEN != host && light(label & !OPEN) > light(beside) {
+                beside = label & !OPEN;
+            }
+        }
+    }
+    (end, beside)
+}
+
+/// The light that a host and a second source have at a pixel: the source beside it or, with none
+/// there (0), the brightest that was divided from the host, where the mirror shows that and no other.
+fn explained<L: Level>(
+    (field, typical): (Field<'_, L>, Typical<'_>),
+    labels: &[u32],
+    regions: &[Region<L>],
+    [host, beside]: [u32; 2],
+) -> impl Fn(usize) -> L {
+    let divided = region_of(regions, host).map_or(0, |host| host.divided as usize);
+    let divided = label_at(labels, divided.wrapping_sub(1)) & !OPEN;
+    let other = if beside != 0 { beside } else { divided };
+    let [centre, there] = [host, other].map(|label| centre_of(regions, label));
+    let peak = region_of(regions, host).map_or(L::ZERO, |host| host.value);
+    move |at| {
+        let mirrored = field.mirrored(centre, at).unwrap_or(L::ZERO);
+        let mirrored = mirrored.greatest(typical.light(peak, centre, field.place(at)));
+        let shown = || field.nearest(field.across(there, at)).map_or(0, |at| label_at(labels, at) & !OPEN);
+        if other == 0 || other == host || (beside == 0 && shown() != other) {
+            return mirrored;
+        }
+        mirrored + alone(field, [centre, there], field.place(at)).unwrap_or(L::ZERO)
+    }
+}
+
+/// Makes a group of pixels the region with index `count`, divided from its host.
+fn add<L: Level>(field: Field<'_, L>, group: &[u32], host: u32, regions: &mut [Region<L>], count: usize) {
+    let centre = centre_of(regions, host);
+    let (mut value, mut peak, mut sum) = (L::ZERO, group.first().copied().unwrap_or(0), L::NOTHING);
+    for &at in group {
+        let light = excess(field, centre, at as usize);
+        sum = sum + light.times(1);
+        if light > value {
+            (value, peak) = (light, at);
+        }
+    }
+    let mut divided = 0;
+    if let Some(host) = regions.get_mut((host as usize).wrapping_sub(1)) {
+        divided = host.peak.saturating_add(1);
+        host.divide(field, peak);
+    }
+    if let Some(region) = regions.get_mut(count) {
+        let centre = field.place(peak as usize);
+        *region = Region { peak, value, sum, centre, divided, ..Region::BLANK };
+    }
+}
+
+/// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
+/// of two neighbours the one with less light in all owns a pixel where the value is more than
+/// `OTHER` times the other's mirrored light. Where that is a third source's, the pixel stays.
+pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], sweeps: u32) {
+    let other_from = L::Weight::of(OTHER);
+    for sweep in 0..sweeps {
+        let mut changed = false;
+        for index in 0..labels.len() {
+            let at = if sweep % 2 == 0 { index } else { labels.len() - 1 - index };
+            let own = label_at(labels, at);
+            if own == 0 {
+                continue;
+            }
+            let mut best = own;
+            for near in field.grid.neighbours(at).take(4) {
+                let other = label_at(labels, near);
+                if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
+                    continue;
+                }
+                let brighter = light_of(regions, best) >= light_of(regions, other);
+                let (bright, faint) = if brighter { (best, other) } else { (other, best) };
+                if let Some(host) = own_light(field, labels, regions, bright, at) {
+                    best = if field.at(at) > host.scaled(other_from) { faint } else { bright };
+                }
+            }
+            if best != own
+                && let Some(label) = labels.get_mut(at)
+            {
+                *label = best;
+                changed = true;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+}
+
+/// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
+/// pixels around it have. `before` is as long as the plane.
+pub fn straighten(labels: &mut [u32], before: &mut [u32], grid: Grid, steps: u32) {
+    for _ in 0..steps {
+        before.iter_mut().zip(labels.iter()).for_each(|(before, label)| *before = *label);
+        for (at, label) in labels.iter_mut().enumerate() {
+            // Most pixels lie inside: three neighbours of their own are enough to stay.
+            let inside = [at.wrapping_sub(1), at + 1, at.wrapping_sub(grid.width.get())];
+            if inside.into_iter().all(|near| before.get(near) == Some(label)) {
+                continue;
+            }
+            let (mut same, mut other, mut others) = (0, *label, 0);
+            for near in grid.neighbours(at) {
+                let near = label_at(before, near);
+                if near == *label {
+                    same += 1;
+                } else if near == other || others == 0 {
+                    (other, others) = (near, others + 1);
+                }
+            }
+            if others >= 6 && same < 3 {
+                *label = other;
+            }
+        }
+    }
+}

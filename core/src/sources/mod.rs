@@ -1,0 +1,13 @@
+//! From an outlined image to sources: components or the tree of level sets, deblending,
+//! significance, labels and the catalogue.
+
+#[deny(clippy::arithmetic_side_effects)]
+pub mod catalog;
+pub(crate) mod centre;
+pub mod deblend;
+pub mod flags;
+pub mod label;
+pub(crate) mod pieces;
+pub mod significance;
+pub mod tree;
+pub(crate) mod typical;

@@ -1,0 +1,178 @@
+//! Every label one connected piece.
+//!
+//! Pixels change their owner one by one where sources compete, and may leave a part of a source cut off
+//! from the rest. The piece with its peak stays, or a much larger one; the others go to the sources that they lie on.
+
+use crate::arithmetic::Level;
+use crate::plane::grid::Grid;
+use crate::sources::tree::Region;
+
+/// A pixel of a piece that is not, or not yet, the one that stays.
+const LOOSE: u32 = 1 << 31;
+/// The piece with the peak stays, unless another is this many times as large.
+const PEAK: u32 = 4;
+/// How often loose pieces ask their neighbours: one may lie within others.
+const ROUNDS: u32 = 4;
+
+fn label_at(labels: &[u32], at: usize) -> u32 {
+    labels.get(at).copied().unwrap_or(0)
+}
+
+/// Leaves of every source one piece, connected also by corners: that with its peak, if the source still
+/// has it, unless another is [`PEAK`] times as large; else the largest, the first of equals. Gives the
+/// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` is
+/// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: four looks at each
+/// pixel and its neighbours.
+pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regions: &mut [Region<L>]) {
+    for (label, region) in (1..).zip(regions.iter_mut()) {
+        let peak = region.peak as usize;
+        region.area = 0;
+        if label_at(labels, peak) == label {
+            let area = relabel(grid, peak, label | LOOSE, labels, queue) as u32;
+            region.area = area.saturating_mul(PEAK);
+        }
+    }
+    for first in 0..labels.len() {
+        let label = label_at(labels, first);
+        if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)) {
+            let area = relabel(grid, first, label | LOOSE, labels, queue) as u32;
+            if area > region.area {
+                (region.area, region.peak) = (area, first as u32);
+            }
+        }
+    }
+    for (label, region) in (1..).zip(regions.iter()).filter(|(_, region)| region.area > 0) {
+        relabel(grid, region.peak as usize, label, labels, queue);
+    }
+    for region in regions.iter_mut() {
+        region.area = 0;
+    }
+    for round in 1..=ROUNDS {
+        for first in 0..labels.len() {
+            let loose = label_at(labels, first);
+            if loose & LOOSE != 0 {
+                let count = relabel(grid, first, 0, labels, queue);
+                let piece = queue.get(..count).unwrap_or(&[]);
+                let owner = owner(grid, piece, labels, regions);
+                let label = if owner == 0 && round < ROUNDS { loose } else { owner };
+                for &at in piece {
+                    set(labels, at as usize, label);
+                }
+            }
+        }
+    }
+}
+
+/// Gives the connected pixels that have the label of the first one another, not 0 instead of 0; lists them in
+/// the queue and gives their number.
+fn relabel(grid: Grid, first: usize, to: u32, labels: &mut [u32], queue: &mut [u32]) -> usize {
+    let from = label_at(labels, first);
+    let (mut next, mut end) = (0, 0);
+    let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
+        if let Some(place) = queue.get_mut(end).filter(|_| label_at(labels, at) == from) {
+            *place = at as u32;
+            set(labels, at, to);
+            end += 1;
+        }
+        end
+    };
+    let mut known = take(first, labels, queue);
+    while next < known {
+        let at = queue.get(next).map_or(0, |&at| at as usize);
+        next += 1;
+        for near in grid.neighbours(at) {
+            known = take(near, labels, queue);
+        }
+    }
+    known
+}
+
+/// The settled source that a piece touches most, of equals the one that is met first; 0 for none.
+/// `area` of the regions counts the pairs of pixels, from 0 and back to it.
+fn owner<L: Level>(grid: Grid, piece: &[u32], labels: &[u32], regions: &mut [Region<L>]) -> u32 {
+    let across = |at: &u32| grid.neighbours(*at as usize).map(|near| label_at(labels, near));
+    let index = |label: u32| (label as usize).wrapping_sub(1);
+    for label in piece.iter().flat_map(across) {
+        if let Some(region) = regions.get_mut(index(label)) {
+            region.area = region.area.saturating_add(1);
+        }
+    }
+    let (mut owner, mut most) = (0, 0);
+    for label in piece.iter().flat_map(across) {
+        if let Some(region) = regions.get_mut(index(label)) {
+            if region.area > most {
+                (owner, most) = (label, region.area);
+            }
+            region.area = 0;
+        }
+    }
+    owner
+}
+
+fn set(labels: &mut [u32], at: usize, label: u32) {
+    if let Some(cell) = labels.get_mut(at) {
+        *cell = label;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 8;
+
+    /// A picture of labels, one digit per pixel, connected, as a picture; with the peak of source 1.
+    fn connected<const CELLS: usize>(picture: [&str; CELLS], peak: u32) -> [[u8; WIDTH]; CELLS] {
+        let mut labels = [0; 64];
+        let mut regions = [Region::<f32> { peak: 63, ..Region::BLANK }; 9];
+        regions[0].peak = peak;
+        let digits = picture.iter().flat_map(|row| row.bytes()).map(|digit| u32::from(digit - b'0'));
+        labels.iter_mut().zip(digits).for_each(|(label, digit)| *label = digit);
+        let grid = Grid::of(CELLS * WIDTH, WIDTH).expect("there are columns");
+        connect(grid, &mut labels[..CELLS * WIDTH], &mut [0; 64], &mut regions);
+        core::array::from_fn(|y| core::array::from_fn(|x| b'0' + labels[y * WIDTH + x] as u8))
+    }
+
+    #[track_caller]
+    fn becomes<const CELLS: usize>(from: [&str; CELLS], peak: u32, to: [&str; CELLS]) {
+        let found = connected(from, peak);
+        let found = found.each_ref().map(|row| core::str::from_utf8(row).expect("digits"));
+        assert_eq!(found, to);
+    }
+
+    #[test]
+    fn the_largest_piece_stays_and_the_rest_goes_to_what_it_lies_on() {
+        let picture = ["11222001", "11222000", "11122110", "11122330"];
+        becomes(picture, 63, ["11222000", "11222000", "11122330", "11122330"]);
+    }
+
+    #[test]
+    fn the_piece_with_the_peak_stays_unless_another_is_much_larger() {
+        let picture = ["11222001", "11222011", "11122110", "11122330"];
+        becomes(picture, 22, ["22222001", "22222011", "22222110", "22222330"]);
+        let picture = ["11222000", "11222000", "11122010", "11122010"];
+        becomes(picture, 22, ["11222000", "11222000", "11122000", "11122000"]);
+    }
+
+    #[test]
+    fn corners_connect() {
+        let picture = ["10000000", "01020000", "00100000"];
+        becomes(picture, 63, picture);
+    }
+
+    #[test]
+    fn of_two_equal_pieces_the_first_stays() {
+        becomes(["11022011", "11022011"], 63, ["11022000", "11022000"]);
+        becomes(["11222211", "11222211"], 63, ["11222222", "11222222"]);
+    }
+
+    #[test]
+    fn a_piece_within_a_piece_goes_where_that_goes() {
+        // The 1 on the right touches only the loose 2, which touches only the 3.
+        becomes(
+            ["11110000", "22220000", "22222000", "33333333", "33332223", "33332123", "33332223", "33333333"],
+            63,
+            ["11110000", "22220000", "22222000", "33333333", "33333333", "33333333", "33333333", "33333333"],
+        );
+    }
+}

@@ -1,0 +1,221 @@
+//! The tree of level sets: pixels from the brightest down, regions that grow, and where two of
+//! them meet the question whether the fainter is a source of its own.
+//!
+//! After Bijaoui and others; the test of significance follows the idea of MTObjects (Teeninga et
+//! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
+
+use crate::arithmetic::{Level, Real};
+use crate::config::detection::Detection;
+use crate::plane::field::Field;
+use crate::plane::sort;
+use crate::sky::photon::grown;
+
+/// A region of the tree, in the end a source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region<L: Level> {
+    /// Index of its brightest pixel.
+    pub peak: u32,
+    /// Value there.
+    pub value: L,
+    /// Number of pixels; while the centre is looked for, of those above half the peak.
+    pub area: u32,
+    /// Sum of its values.
+    pub sum: L::Sum,
+    /// Its centre, (x, y), to a fraction of a pixel.
+    pub centre: (L, L),
+    /// Of its pixels above half its peak, the sums of the values times the distances from the peak along
+    /// x and y.
+    pub offsets: (f32, f32),
+    /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
+    /// While the centre is looked for, the sum of the values above half the peak.
+    pub plateau: f32,
+    /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
+    pub divided: u32,
+    /// The label it ends with.
+    pub label: u32,
+}
+
+impl<L: Level> Region<L> {
+    /// All bits 0: static memory full of it takes no room in a program's image.
+    pub const BLANK: Region<L> = Region {
+        peak: 0,
+        value: L::ZERO,
+        area: 0,
+        sum: L::NOTHING,
+        centre: (L::ZERO, L::ZERO),
+        offsets: (0.0, 0.0),
+        plateau: 0.0,
+        divided: 0,
+        label: 0,
+    };
+
+    /// Remembers the part that has a pixel, where no brighter one is known.
+    pub fn divide(&mut self, field: Field<'_, L>, pixel: u32) {
+        let known = |place: u32| (place as usize).checked_sub(1).map(|at| field.at(at));
+        if known(self.divided).is_none_or(|value| field.at(pixel as usize) > value) {
+            self.divided = pixel.saturating_add(1);
+        }
+    }
+
+    /// The label of another source that the region was divided from, where both became sources: then
+    /// both are blended. `labels` are the final ones.
+    pub fn divided_from(&self, labels: &[u32]) -> Option<u32> {
+        let other = (self.divided as usize).checked_sub(1).and_then(|at| labels.get(at).copied());
+        other.filter(|&other| self.label != 0 && other != 0 && other != self.label)
+    }
+
+    /// A region of one pixel.
+    fn of(peak: u32, value: L) -> Region<L> {
+        Region { peak, value, area: 1, sum: value.times(1), ..Region::BLANK }
+    }
+}
+
+/// How far a peak must rise above the saddle, as a part of the saddle's light: the image of a point
+/// in real optics is that uneven, as the ring of a mirror out of focus and the rim of a saturated star.
+const DEPTH: f32 = 0.15;
+
+/// Parent of a pixel that is in no region.
+pub const NONE: u32 = u32::MAX;
+
+/// The root of a pixel's region; paths are halved on the way.
+pub fn root(parents: &mut [u32], mut at: u32) -> u32 {
+    let parent = |parents: &[u32], at: u32| parents.get(at as usize).copied().unwrap_or(at);
+    while parent(parents, at) != at {
+        let grand = parent(parents, parent(parents, at));
+        if let Some(cell) = parents.get_mut(at as usize) {
+            *cell = grand;
+        }
+        at = grand;
+    }
+    at
+}
+
+/// Grows the regions of `order`, the pixels in use from the brightest down. `parents` holds
+/// [`NONE`] everywhere; `ids` gets the region of each root; `photon` is the photon noise. Gives the
+/// number of regions, and of peaks for which none was free: they stay out.
+pub fn grow<L: Level>(
+    field: Field<'_, L>,
+    order: &[u32],
+    parents: &mut [u32],
+    ids: &mut [u32],
+    regions: &mut [Region<L>],
+    (setting, photon): (&Detection, f32),
+) -> (usize, u32) {
+    let (mut count, mut left_out) = (0, 0);
+    for &pixel in order {
+        let at = pixel as usize;
+        let value = field.at(at);
+        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
+        for near in field.grid.neighbours(at).take(setting.connectivity.neighbours()) {
+            if parents.get(near).is_none_or(|&parent| parent == NONE) {
+                continue;
+            }
+            let root = root(parents, near as u32);
+            if nearest.is_none_or(|(value, _)| field.at(near) > value) {
+                nearest = Some((field.at(near), root));
+            }
+            if !roots.contains(&root)
+                && let Some(free) = roots.get_mut(found)
+            {
+                *free = root;
+                found += 1;
+            }
+        }
+        let id = |ids: &[u32], root: u32| ids.get(root as usize).map_or(usize::MAX, |&id| id as usize);
+        let Some((_, mut nearest)) = nearest else {
+            let Some(region) = regions.get_mut(count) else {
+                left_out += 1;
+                continue;
+            };
+            *region = Region::of(pixel, value);
+            if let (Some(parent), Some(id)) = (parents.get_mut(at), ids.get_mut(at)) {
+                (*parent, *id) = (pixel, count as u32);
+            }
+            count += 1;
+            continue;
+        };
+        let brightness = |root: u32| regions.get(id(ids, root)).map_or(L::ZERO, |region| region.value);
+        let roots = roots.get_mut(..found).unwrap_or(&mut []);
+        let key = |root: u32| (!brightness(root).key(), root);
+        sort::few(roots, |a, b| key(a) < key(b));
+        let Some((&host, others)) = roots.split_first() else { continue };
+        for &other in others {
+            let (host_id, other_id) = (id(ids, host), id(ids, other));
+            let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
+            if stands_apart(setting, field, [&bright, &faint], value, photon) {
+                for (id, other) in [(host_id, faint.peak), (other_id, bright.peak)] {
+                    if let Some(region) = regions.get_mut(id) {
+                        region.divide(field, other);
+                    }
+                }
+                continue;
+            }
+            if let Some(parent) = parents.get_mut(other as usize) {
+                *parent = host;
+            }
+            if let Some(region) = regions.get_mut(host_id) {
+                region.area += faint.area;
+                region.sum = region.sum + faint.sum;
+                if let Some(other) = faint.divided.checked_sub(1) {
+                    region.divide(field, other);
+                }
+            }
+            if let Some(region) = regions.get_mut(other_id) {
+                region.area = 0;
+            }
+            if nearest == other {
+                nearest = host;
+            }
+        }
+        if let Some(parent) = parents.get_mut(at) {
+            *parent = nearest;
+        }
+        if let Some(region) = regions.get_mut(id(ids, nearest)) {
+            region.area += 1;
+            region.sum = region.sum + value.times(1);
+        }
+    }
+    (count, left_out)
+}
+
+/// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
+/// pixels and light above the saddle for the noise there, a peak that rises above it by more than
+/// the noise and the unevenness of optics, and around its peak more than twice
+/// the mirrored light of the brighter.
+fn stands_apart<L: Level>(
+    setting: &Detection,
+    field: Field<'_, L>,
+    [bright, faint]: [&Region<L>; 2],
+    saddle: L,
+    photon: f32,
+) -> bool {
+    let light = faint.sum - saddle.times(faint.area);
+    let noise = grown(photon, saddle);
+    let significant = faint.area >= 3
+        && light > L::share(noise.times(1), setting.branch)
+        && light > L::share(bright.sum, setting.contrast)
+        && faint.value - saddle > noise.greatest(saddle.scaled(L::Weight::of(DEPTH)));
+    if !significant {
+        return false;
+    }
+    let centre = field.centre(bright.peak as usize);
+    let peak = faint.peak as usize;
+    let twice = |at: usize| field.mirrored(centre, at).map_or(L::ZERO, |light| light + light);
+    let own = |&at: &usize| field.at(at) > twice(at);
+    field.grid.neighbours(peak).chain([peak]).filter(own).count() >= 3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_region_is_divided_from_what_became_a_source() {
+        let region = Region::<f32> { label: 2, divided: 4, ..Region::BLANK };
+        assert_eq!(region.divided_from(&[2, 2, 0, 1]), Some(1));
+        assert_eq!(region.divided_from(&[2, 2, 1, 0]), None, "the other was dropped");
+        assert_eq!(region.divided_from(&[1, 0, 0, 2]), None, "it took the other's place");
+        assert_eq!(Region { divided: 0, ..region }.divided_from(&[1; 4]), None);
+        assert_eq!(Region { label: 0, ..region }.divided_from(&[1; 4]), None);
+    }
+}

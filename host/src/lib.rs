@@ -9,9 +9,11 @@ pub mod arithmetics;
 mod avx2;
 pub mod background;
 pub mod catalogue;
+pub mod choices;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod crosscheck;
-pub mod detection;
+pub mod extraction;
 pub mod given;
 pub mod input;
 #[allow(unsafe_code, reason = "calls of functions compiled for AVX2, where the processor has it")]
@@ -32,6 +34,7 @@ pub mod remarks;
 pub mod report;
 pub mod reproduce;
 pub mod score;
+pub mod settings;
 pub mod sky;
 pub mod summary;
 pub mod truth;

@@ -117,7 +117,7 @@ pub fn write(
 }
 
 /// The limits that a run has reached.
-fn limits(outcome: &Outcome) -> Vec<String> {
+pub fn limits(outcome: &Outcome) -> Vec<String> {
     let mut lines = Vec::new();
     if outcome.catalogued < outcome.sources {
         lines.push(format!("the catalogue has room for {} sources only", outcome.catalogued));

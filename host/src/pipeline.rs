@@ -1,6 +1,7 @@
 //! One image through the core: memory, the poll loop, and what the outputs need.
 
 use crate::background::SkyMaps;
+use crate::extraction;
 use crate::input::StartMap;
 use crate::machine::Native;
 use crate::parallel::evolve;
@@ -77,9 +78,9 @@ pub type TakeFront<'a> = dyn FnMut(&Values<'_>) + 'a;
 
 /// How a run is driven, which changes nothing in its result, and what it is given beside the image.
 pub struct Drive<'a> {
-    /// Sky of every pixel, for the noise-aware segmentation.
+    /// Sky of every pixel, for a run on signal-to-noise.
     pub background: Option<&'a [f32]>,
-    /// Standard deviation of every pixel's noise, for the noise-aware segmentation.
+    /// Standard deviation of every pixel's noise, for a run on signal-to-noise.
     pub noise: Option<&'a [f32]>,
     /// Whether that noise only says which pixels are noisier than others.
     pub relative: bool,
@@ -125,8 +126,8 @@ pub fn segment(
     height: usize,
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
-    if let Some(detection) = &config.detection {
-        return crate::detection::segment::<f32>(detection, pixels, width, drive);
+    if config.sky.is_known() {
+        return extraction::segment::<F32<Native>, f32>(config, pixels, width, drive);
     }
     segment_in::<F32<Native>>(config, pixels, width, height, drive)
 }

@@ -5,7 +5,7 @@ use crate::pipeline::{Segmentation, room_for_sources};
 use crate::provenance::{of_run, shortest};
 use crate::write;
 use serde_json::{Map, Value, json};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Scheme};
 use skyfront_core::run::outcome::StopReason;
 use std::time::Duration;
 
@@ -33,8 +33,8 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         of_run(config, input).into_iter().map(|one| (one.name.replace('-', "_"), json_of(one.value))).collect();
     let seconds: Map<String, Value> =
         parts.iter().map(|(part, time)| (part.clone(), json!(time.as_secs_f64()))).collect();
-    // The noise-aware segmentation moves no front.
-    let moved = |value: Value| if config.detection.is_none() { value } else { Value::Null };
+    // The region's own front has neither tau nor a rule to stop by.
+    let moved = |value: Value| if config.scheme != Scheme::Region { value } else { Value::Null };
     json!({
         "program": "skyfront",
         "version": env!("CARGO_PKG_VERSION"),
@@ -62,7 +62,7 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "iterations": moved(json!(outcome.steps)),
         "mask_pixels": outcome.mask_pixels,
         "n_sources": outcome.sources,
-        "catalog_room": moved(json!(room_for_sources(run.width * run.height))),
+        "catalog_room": if config.sky.is_known() { Value::Null } else { json!(room_for_sources(run.width * run.height)) },
         "sources_not_in_catalog": outcome.sources - outcome.catalogued,
         "pixels_not_labelled": outcome.unlabelled,
         "pixels_not_reached": outcome.unreached,

@@ -15,7 +15,7 @@ pub const BAND: f32 = 0.3;
 /// The force is kept between minus and plus this.
 pub const FORCE: f32 = 2.0;
 /// Time of a step, with pixels of width 1. The force moves the front by at most 0.4 px a step, and
-/// `4 STEP nu < 1` for every nu that [`crate::config::detection::Detection`] takes.
+/// `4 STEP nu < 1` for every nu that [`crate::config::Outline`] takes.
 pub const STEP: f32 = 0.2;
 /// Cells of a row that are looked at together for something that can move.
 const PIECE: usize = 16;

@@ -50,7 +50,7 @@ pub fn variant(config: &Config, stage: Stage) -> &'static str {
             _ => "none",
         },
         Stage::Filter => match config.filter {
-            Filter::None => "none",
+            Filter::None | Filter::Gauss | Filter::Adaptive => "none",
             Filter::Heat => "heat",
             Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
             Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
@@ -84,6 +84,6 @@ fn step(config: &Config) -> &'static str {
         (Scheme::SlCurvature, true, false) => "sl-curvature-64",
         (Scheme::SlCurvature, true, true) => "sl-curvature-64-band",
         (Scheme::ChanVese, _, _) => "chan-vese",
-        (Scheme::FastMarching, _, _) => "none",
+        (Scheme::Region | Scheme::FastMarching, _, _) => "none",
     }
 }

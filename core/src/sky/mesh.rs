@@ -6,7 +6,8 @@ use crate::plane::grid::Grid;
 use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
 
-/// Side of a mesh cell in pixels; a frame has a whole number of cells along each axis.
+/// Side of a mesh cell in pixels where nothing else is wanted; a frame has a whole number of cells along
+/// each axis.
 pub const CELL: usize = 64;
 /// The most cells along an axis; larger frames have larger cells.
 pub const MOST_CELLS: usize = 64;
@@ -55,9 +56,12 @@ pub struct Mesh<'m> {
     scale: (f32, f32),
 }
 
-/// Cells along an axis of `length` pixels.
-pub const fn cells_along(length: usize) -> NonZero<usize> {
-    let cells = (length + CELL / 2) / CELL;
+/// Cells of about `cell` pixels along an axis of `length` pixels; one for a `cell` of 0.
+pub const fn cells_along(length: usize, cell: usize) -> NonZero<usize> {
+    let cells = match length.saturating_add(cell / 2).checked_div(cell) {
+        Some(cells) => cells,
+        None => 1,
+    };
     match NonZero::new(if cells > MOST_CELLS { MOST_CELLS } else { cells }) {
         Some(cells) => cells,
         None => NonZero::<usize>::MIN,
@@ -65,28 +69,29 @@ pub const fn cells_along(length: usize) -> NonZero<usize> {
 }
 
 /// Elements of the memory that [`Mesh::measure`] needs: the mesh, and a copy to filter it from.
-pub const fn mesh_cells(width: usize, height: usize) -> usize {
-    2 * cells_along(width).get() * cells_along(height).get()
+pub const fn mesh_cells(width: usize, height: usize, cell: usize) -> usize {
+    2 * cells_along(width, cell).get() * cells_along(height, cell).get()
 }
 
 /// The most pixels of a cell.
-pub const fn cell_pixels(width: usize, height: usize) -> usize {
-    width.div_ceil(cells_along(width).get()) * height.div_ceil(cells_along(height).get())
+pub const fn cell_pixels(width: usize, height: usize, cell: usize) -> usize {
+    width.div_ceil(cells_along(width, cell).get()) * height.div_ceil(cells_along(height, cell).get())
 }
 
 impl<'m> Mesh<'m> {
-    /// The mesh of a frame that [`Mesh::measure`] left in `cells`, which has room for [`mesh_cells`].
-    pub fn over(cells: &'m mut [Sky], size: (usize, usize)) -> Mesh<'m> {
-        let (columns, rows) = (cells_along(size.0), cells_along(size.1).get());
+    /// The mesh of a frame, with cells of about `cell` pixels, that [`Mesh::measure`] left in `cells`, which
+    /// has room for [`mesh_cells`].
+    pub fn over(cells: &'m mut [Sky], size: (usize, usize), cell: usize) -> Mesh<'m> {
+        let (columns, rows) = (cells_along(size.0, cell), cells_along(size.1, cell).get());
         let scale = (columns.get() as f32 / size.0 as f32, rows as f32 / size.1 as f32);
         let (cells, copy) = cells.split_at_mut_checked(columns.get() * rows).unwrap_or((&mut [], &mut []));
         Mesh { cells, copy, grid: Grid { width: columns, height: rows }, size, scale }
     }
 
     /// A mesh of which nothing is known yet.
-    pub fn blank(cells: &'m mut [Sky], size: (usize, usize)) -> Mesh<'m> {
+    pub fn blank(cells: &'m mut [Sky], size: (usize, usize), cell: usize) -> Mesh<'m> {
         cells.fill(Sky::UNKNOWN);
-        Mesh::over(cells, size)
+        Mesh::over(cells, size, cell)
     }
 
     /// Measures the sky of `pixels`, row-major, where they are [`Seen::Sky`]. Cells that are mostly
@@ -281,7 +286,7 @@ fn middle(of: impl Iterator<Item = f32>) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cell_pixels;
+    use super::super::{CELL, cell_pixels};
     use super::*;
     use crate::sky::noise::tests::normal;
 
@@ -297,21 +302,21 @@ mod tests {
     }
 
     fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen) -> Survey {
-        let room = cell_pixels(SIDE, SIDE);
+        let room = cell_pixels(SIDE, SIDE, CELL);
         let (mut keys, mut spare) = (std::vec![0; room], std::vec![0; room]);
         let seen = |at: usize| seen(at % SIDE, at / SIDE);
         mesh.measure(pixels, seen, &Values::UNKNOWN, Keys(&mut keys, &mut spare))
     }
 
-    fn cells() -> [Sky; mesh_cells(SIDE, SIDE)] {
-        [Sky::UNKNOWN; mesh_cells(SIDE, SIDE)]
+    fn cells() -> [Sky; mesh_cells(SIDE, SIDE, CELL)] {
+        [Sky::UNKNOWN; mesh_cells(SIDE, SIDE, CELL)]
     }
 
     #[test]
     fn a_slope_is_followed_into_the_corners() {
         let slope = |x: usize, y: usize| 0.05 * x as f32 - 0.03 * y as f32;
         let (pixels, mut cells) = (frame(slope), cells());
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         let survey = measure(&mut mesh, &pixels, |_, _| Seen::Sky);
         assert_eq!(survey, Survey { cells: 25, measured: 25 });
         for (x, y) in [(0, 0), (319, 0), (0, 319), (319, 319), (160, 0), (0, 160), (31, 200), (100, 290)] {
@@ -327,7 +332,7 @@ mod tests {
         let source = |x: usize, y: usize| (64..128).contains(&x) && (64..128).contains(&y);
         let pixels = frame(|x, y| if source(x, y) { 500.0 } else { 100.0 });
         let mut cells = cells();
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         let seen = |x: usize, y: usize| match source(x, y) {
             // A tenth of the cell is left, all of it wings.
             true if !x.is_multiple_of(10) => Seen::Source,
@@ -342,7 +347,7 @@ mod tests {
     #[test]
     fn a_crowded_mesh_keeps_what_was_measured_first() {
         let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         measure(&mut mesh, &pixels, |_, _| Seen::Sky);
         let first = mesh.at(160, 160);
         let dark = |x: usize, y: usize| if pixels[y * SIDE + x] < 99.0 { Seen::Sky } else { Seen::Source };
@@ -358,7 +363,7 @@ mod tests {
     #[test]
     fn nothing_is_known_of_a_mesh_without_sky() {
         let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         let survey = measure(&mut mesh, &pixels, |x, _| if x < 10 { Seen::Source } else { Seen::Undefined });
         assert_eq!(survey, Survey { cells: 5, measured: 0 });
         assert!(mesh.at(5, 5).level.is_nan());
@@ -369,9 +374,9 @@ mod tests {
     #[test]
     fn a_window_is_one_cell() {
         let pixels: Vec<f32> = normal(64, 7.0, 1.0);
-        let mut cells = [Sky::UNKNOWN; mesh_cells(8, 8)];
+        let mut cells = [Sky::UNKNOWN; mesh_cells(8, 8, CELL)];
         let (mut keys, mut spare) = ([0; 64], [0; 64]);
-        let mut mesh = Mesh::blank(&mut cells, (8, 8));
+        let mut mesh = Mesh::blank(&mut cells, (8, 8), CELL);
         mesh.measure(&pixels, |_| Seen::Sky, &Values::UNKNOWN, Keys(&mut keys, &mut spare));
         assert_eq!(mesh.at(0, 0), mesh.at(7, 7));
         assert!((mesh.at(3, 4).level - 7.0).abs() < 0.1);

@@ -1,71 +1,53 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
-use crate::plane::grid::Grid;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
-use crate::run::detect::{Known, SCALES, Workspace};
 use crate::sky::spike::cleaned;
 use crate::sky::tail::Tail;
-use crate::sky::{Mesh, Seen, Survey, Values};
+use crate::sky::view::{Known, View};
+use crate::sky::{Mesh, Seen, Sky, Survey};
 
 /// Smoothing goes on where the change is below this, in its noise.
 const LEPSKI: f32 = 1.7;
+/// Scale of the light smoothing, pixels.
+const FINE: f32 = 0.8;
+/// Scale of the growth of the mask of sources, pixels.
+const GROWTH: f32 = 2.0;
 
-/// A frame with what is known of it.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    /// W x H, row-major.
-    pub pixels: &'a [f32],
-    /// Its shape.
-    pub grid: Grid,
-    /// Sky and noise that were given.
-    pub known: &'a Known<'a>,
-    /// How its values came about.
-    pub values: Values,
+/// The planes of these steps.
+#[derive(Debug)]
+pub struct Planes<'m, L: Level> {
+    /// W x H: signal-to-noise.
+    pub signal: &'m mut [L],
+    /// W x H: lightly smoothed.
+    pub fine: &'m mut [L],
+    /// W x H: smoothed by need.
+    pub smooth: &'m mut [L],
+    /// W x H: 1 near sources, 0 on sky.
+    pub masked: &'m mut [L],
+    /// W x H: scratch.
+    pub scratch: &'m mut [L],
+    /// W x H each: scratch for sorting.
+    pub keys: Keys<'m>,
+    /// The mesh.
+    pub mesh: &'m mut [Sky],
 }
 
-impl<'a> View<'a> {
-    /// Looks at a frame.
-    pub fn of(pixels: &'a [f32], grid: Grid, known: &'a Known<'a>, keys: Keys<'_>) -> View<'a> {
-        let values = Values::measure(pixels, grid.width.get(), |at| known.allows(at), keys);
-        View { pixels, grid, known, values }
-    }
-
-    /// Whether a pixel is an observation that may be used.
-    pub fn is_defined(&self, at: usize) -> bool {
-        self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
-    }
-
-    /// The two defined pixels of its row, or else of its column, between which an undefined one lies.
-    fn between(&self, at: usize) -> Option<[usize; 2]> {
-        let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(at));
-        let defined = |pair: &[usize; 2]| pair.iter().all(|&at| self.is_defined(at));
-        let row = (x > 0 && x + 1 < width.get()).then(|| [at - 1, at + 1]).filter(defined);
-        let column = || (y > 0 && y + 1 < height).then(|| [at - width.get(), at + width.get()]).filter(defined);
-        row.or_else(column)
-    }
-
-    /// Whether there is a signal: the pixel is defined, or lies between two that are.
-    pub fn has_signal(&self, at: usize) -> bool {
-        self.is_defined(at) || self.between(at).is_some()
-    }
-}
-
-/// Signal-to-noise of every pixel, spikes replaced; an undefined pixel has the mean of the two
+/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined pixel has the mean of the two
 /// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
 /// to divide by.
-pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Option<Survey> {
+pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
-    let mut keys = Keys(work.parents, work.order);
+    let mut keys = work.keys.again();
     let masked = &*work.masked;
     let seen = |at: usize| match (view.is_defined(at), masked.get(at).is_none_or(|&mask| mask <= L::ZERO)) {
         (false, _) => Seen::Undefined,
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
     };
-    let mut mesh = Mesh::over(work.mesh, (width, grid.height));
+    let mut mesh = Mesh::over(work.mesh, (width, grid.height), cell);
     let survey = mesh.measure(pixels, seen, &values, keys.again());
     let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
     let mut factor = 1.0;
@@ -114,16 +96,15 @@ fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f3
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Tail<L> {
+pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>) -> Tail<L> {
     let (grid, piled) = (view.grid, view.values.piled);
-    let [scale, ..] = SCALES;
-    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
+    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
-    let tail = Tail::measure(|at| value(fine, at), work.masked, piled, Keys(work.parents, work.order));
+    let tail = Tail::measure(|at| value(fine, at), work.masked, piled, work.keys.again());
     Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let details = Tail::measure(detail, work.masked, piled, Keys(work.parents, work.order));
+    let details = Tail::measure(detail, work.masked, piled, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
         if (fine - *smooth).magnitude() >= least {
@@ -135,7 +116,7 @@ pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Tail<L>
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Workspace<'_, L>) {
+pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>) {
     let grid = view.grid;
     let (source, perhaps) = (L::ONE, L::of(0.5));
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
@@ -159,8 +140,7 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut W
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
         *mark = L::ZERO;
     }
-    let [_, growth, ..] = SCALES;
-    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
+    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid);
     let near = L::of(0.2);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > near { L::ONE } else { L::ZERO };
@@ -178,6 +158,7 @@ pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::grid::Grid;
 
     extern crate std;
 
@@ -194,8 +175,7 @@ mod tests {
     fn undefined_pixels_between_defined_ones_have_their_mean() {
         let grid = Grid::of(20, 5).unwrap();
         let (mut keys, mut spare) = ([0; 20], [0; 20]);
-        let known = Known::default();
-        let view = View::of(&PIXELS, grid, &known, Keys(&mut keys, &mut spare));
+        let view = View::of(&PIXELS, grid, Known::default(), Keys(&mut keys, &mut spare));
         let mut signal = PIXELS.map(|pixel| if pixel.is_nan() { 0.0 } else { pixel });
         bridge(&view, &mut signal);
         #[rustfmt::skip]

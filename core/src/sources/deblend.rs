@@ -3,11 +3,10 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
-use crate::config::detection::Detection;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
 use crate::sky::photon::grown;
-use crate::sources::tree::Region;
+use crate::sources::tree::{Count, Noise, Region};
 use crate::sources::typical::Typical;
 
 /// A pixel under examination.
@@ -65,24 +64,39 @@ fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>
     (foreign <= light.scaled(L::Weight::of(FOREIGN))).then_some(light)
 }
 
+/// What pixels beyond their host's light must have to become a source of their own.
+#[derive(Clone, Copy, Debug)]
+pub struct Reopening<'a, L: Level> {
+    /// The plane that is divided.
+    pub field: Field<'a, L>,
+    /// The frame's typical source.
+    pub typical: Typical<'a>,
+    /// The noise of the plane.
+    pub noise: Noise<L>,
+    /// Their light beyond that of the host, in that noise.
+    pub excess: f32,
+    /// How many they must be, also when a second source's light is taken away.
+    pub least_area: u32,
+    /// Which of them touch.
+    pub connectivity: Connectivity,
+}
+
 /// Opens the pixels that neither their host's mirrored light nor that of the frame's typical source
 /// explains, but none of a source that ends in a plateau, and makes each connected
 /// group of them a region that is large enough, also when a second source's light is taken away:
-/// where two large galaxies meet there is the light of both. `noise` is that of a pixel without
-/// light, `photon` how it grows; `queue` is as long as the plane. Gives the new number of
-/// regions, and how many found no room in the table.
+/// where two large galaxies meet there is the light of both. `queue` is as long as the plane;
+/// regions are added to those that `count` knows.
 pub fn reopen<L: Level>(
-    (field, typical): (Field<'_, L>, Typical<'_>),
-    (noise, photon): (L, f32),
+    reopening: &Reopening<'_, L>,
     labels: &mut [u32],
     queue: &mut [u32],
     regions: &mut [Region<L>],
-    mut count: usize,
-    setting: &Detection,
-) -> (usize, u32) {
-    let mut left_out = 0;
-    let (new, least) = (L::Weight::of(NEW), L::of(setting.excess * noise.to_f32()));
-    let significant = |at: usize, host: L| field.at(at) - host > least * grown(photon, field.at(at));
+    count: Count,
+) -> Count {
+    let &Reopening { field, typical, noise, excess, least_area, connectivity } = reopening;
+    let Count { regions: mut count, mut left_out } = count;
+    let (new, least) = (L::Weight::of(NEW), L::of(excess * noise.least.to_f32()));
+    let significant = |at: usize, host: L| field.at(at) - host > least * grown(noise.photon, field.at(at));
     for at in 0..labels.len() {
         let label = label_at(labels, at);
         let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
@@ -102,13 +116,13 @@ pub fn reopen<L: Level>(
         }
         let host = open & !OPEN;
         let (known, beside) =
-            gather((field.grid, setting.connectivity), first, (labels, queue), |label| light_of(regions, label));
+            gather((field.grid, connectivity), first, (labels, queue), |label| light_of(regions, label));
         let group = queue.get(..known).unwrap_or(&[]);
         let unexplained = {
             let explained = explained((field, typical), labels, regions, [host, beside]);
             group.iter().filter(|&&at| significant(at as usize, explained(at as usize))).count()
         };
-        if (unexplained as u32) < setting.reopened_area {
+        if (unexplained as u32) < least_area {
             continue;
         }
         if count >= regions.len() {
@@ -123,7 +137,7 @@ pub fn reopen<L: Level>(
             }
         }
     }
-    (count, left_out)
+    Count { regions: count, left_out }
 }
 
 /// Gives a connected group of open pixels back to its host and lists it in the queue. Gives its

@@ -8,6 +8,8 @@ pub mod deblend;
 pub mod flags;
 pub mod label;
 pub(crate) mod pieces;
+pub mod selection;
+pub mod separate;
 pub mod significance;
 pub mod tree;
 pub(crate) mod typical;

@@ -4,6 +4,7 @@
 //! from the rest. The piece with its peak stays, or a much larger one; the others go to the sources that they lie on.
 
 use crate::arithmetic::Level;
+use crate::config::Connectivity;
 use crate::plane::grid::Grid;
 use crate::sources::tree::Region;
 
@@ -28,21 +29,21 @@ pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regi
         let peak = region.peak as usize;
         region.area = 0;
         if label_at(labels, peak) == label {
-            let area = relabel(grid, peak, label | LOOSE, labels, queue) as u32;
+            let area = relabel((grid, Connectivity::Eight), peak, label | LOOSE, labels, queue) as u32;
             region.area = area.saturating_mul(PEAK);
         }
     }
     for first in 0..labels.len() {
         let label = label_at(labels, first);
         if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)) {
-            let area = relabel(grid, first, label | LOOSE, labels, queue) as u32;
+            let area = relabel((grid, Connectivity::Eight), first, label | LOOSE, labels, queue) as u32;
             if area > region.area {
                 (region.area, region.peak) = (area, first as u32);
             }
         }
     }
     for (label, region) in (1..).zip(regions.iter()).filter(|(_, region)| region.area > 0) {
-        relabel(grid, region.peak as usize, label, labels, queue);
+        relabel((grid, Connectivity::Eight), region.peak as usize, label, labels, queue);
     }
     for region in regions.iter_mut() {
         region.area = 0;
@@ -51,7 +52,7 @@ pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regi
         for first in 0..labels.len() {
             let loose = label_at(labels, first);
             if loose & LOOSE != 0 {
-                let count = relabel(grid, first, 0, labels, queue);
+                let count = relabel((grid, Connectivity::Eight), first, 0, labels, queue);
                 let piece = queue.get(..count).unwrap_or(&[]);
                 let owner = owner(grid, piece, labels, regions);
                 let label = if owner == 0 && round < ROUNDS { loose } else { owner };
@@ -65,7 +66,13 @@ pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regi
 
 /// Gives the connected pixels that have the label of the first one another, not 0 instead of 0; lists them in
 /// the queue and gives their number.
-fn relabel(grid: Grid, first: usize, to: u32, labels: &mut [u32], queue: &mut [u32]) -> usize {
+pub fn relabel(
+    (grid, connectivity): (Grid, Connectivity),
+    first: usize,
+    to: u32,
+    labels: &mut [u32],
+    queue: &mut [u32],
+) -> usize {
     let from = label_at(labels, first);
     let (mut next, mut end) = (0, 0);
     let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
@@ -80,7 +87,7 @@ fn relabel(grid: Grid, first: usize, to: u32, labels: &mut [u32], queue: &mut [u
     while next < known {
         let at = queue.get(next).map_or(0, |&at| at as usize);
         next += 1;
-        for near in grid.neighbours(at) {
+        for near in grid.neighbours(at).take(connectivity.neighbours()) {
             known = take(near, labels, queue);
         }
     }

@@ -5,7 +5,7 @@
 //! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
 
 use crate::arithmetic::{Level, Real};
-use crate::config::detection::Detection;
+use crate::config::{Config, Deblending};
 use crate::plane::field::Field;
 use crate::plane::sort;
 use crate::sky::photon::grown;
@@ -74,6 +74,31 @@ impl<L: Level> Region<L> {
 /// in real optics is that uneven, as the ring of a mirror out of focus and the rim of a saturated star.
 const DEPTH: f32 = 0.15;
 
+/// The noise of the lightly smoothed plane, and how it grows with light.
+#[derive(Clone, Copy, Debug)]
+pub struct Noise<L> {
+    /// Of a pixel without light.
+    pub least: L,
+    /// The photon noise ([`crate::sky::photon`]).
+    pub photon: f32,
+}
+
+impl<L: Level> Noise<L> {
+    /// The noise of a pixel with the light `value`.
+    pub fn at(&self, value: L) -> L {
+        self.least * grown(self.photon, value)
+    }
+}
+
+/// Regions that were made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Regions in the table.
+    pub regions: usize,
+    /// Peaks or components for which the table had no room: their pixels are in none.
+    pub left_out: u32,
+}
+
 /// Parent of a pixel that is in no region.
 pub const NONE: u32 = u32::MAX;
 
@@ -99,14 +124,14 @@ pub fn grow<L: Level>(
     parents: &mut [u32],
     ids: &mut [u32],
     regions: &mut [Region<L>],
-    (setting, photon): (&Detection, f32),
-) -> (usize, u32) {
+    (config, photon): (&Config, f32),
+) -> Count {
     let (mut count, mut left_out) = (0, 0);
     for &pixel in order {
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
-        for near in field.grid.neighbours(at).take(setting.connectivity.neighbours()) {
+        for near in field.grid.neighbours(at).take(config.connectivity.neighbours()) {
             if parents.get(near).is_none_or(|&parent| parent == NONE) {
                 continue;
             }
@@ -143,7 +168,7 @@ pub fn grow<L: Level>(
             let (host_id, other_id) = (id(ids, host), id(ids, other));
             let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
             let foreign = |at: usize| is_foreign(parents, at, host);
-            if stands_apart((setting, photon), field, [&bright, &faint], value, foreign) {
+            if stands_apart((&config.deblending, photon), field, [&bright, &faint], value, foreign) {
                 for (id, other) in [(host_id, faint.peak), (other_id, bright.peak)] {
                     if let Some(region) = regions.get_mut(id) {
                         region.divide(field, other);
@@ -176,7 +201,7 @@ pub fn grow<L: Level>(
             region.sum = region.sum + value.times(1);
         }
     }
-    (count, left_out)
+    Count { regions: count, left_out }
 }
 
 /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
@@ -185,7 +210,7 @@ pub fn grow<L: Level>(
 /// brighter: what lies across that's centre or, where this is of a third region, what there is
 /// around it at that distance.
 fn stands_apart<L: Level>(
-    (setting, photon): (&Detection, f32),
+    (setting, photon): (&Deblending, f32),
     field: Field<'_, L>,
     [bright, faint]: [&Region<L>; 2],
     saddle: L,

@@ -12,7 +12,7 @@ pub use columns::{Column, Setting, Value, columns};
 
 use crate::background::SkyMaps;
 use crate::input::{At, Input, Positions};
-use crate::measure::{Extras, Level, Measured, Neighbours, Scene, measure, measure_at, run_flags};
+use crate::measure::{Extras, Level, Measured, Scene, measure, measure_at, run_flags};
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
 use crate::read::header::unit;
@@ -21,7 +21,8 @@ use crate::write::{Entry, Products, WriteError};
 use skyfront_core::sources::flags;
 
 /// A file format of the catalogue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Format {
     /// Comma-separated values, one line of names.
     Csv,
@@ -242,12 +243,7 @@ fn entries(scene: &Scene<'_>, extras: &Extras<'_>) -> Vec<Entry> {
         level("SFBACK", "background of the fluxes", &scene.background),
         level("SFNOISE", "noise of the flux errors", &scene.noise),
     ];
-    let neighbours = match extras.neighbours {
-        Neighbours::Correct => "correct",
-        Neighbours::Mask => "mask",
-        Neighbours::Keep => "keep",
-    };
-    list.push(Entry::new("SFNEIGHB", neighbours, "what apertures count of other sources"));
+    list.push(Entry::new("SFNEIGHB", extras.neighbours.name(), "what apertures count of other sources"));
     list.extend(extras.gain.map(|gain| Entry::new("SFGAIN", gain, "gain of the flux errors")));
     list.extend(extras.zero_point.map(|zero| Entry::new("SFZERO", zero, "magnitude zero point")));
     list.extend(extras.saturation.map(|level| Entry::new("SFSATUR", level, "saturation level")));

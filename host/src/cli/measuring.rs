@@ -48,7 +48,7 @@ pub struct Measuring {
     /// Outlines as outlines.json, in pixels and on the sky.
     #[arg(long, help_heading = "Catalogue")]
     polygons: bool,
-    /// The sky and the noise that the noise-aware segmentation found, as background.fits and noise.fits.
+    /// The sky and the noise that a run on signal-to-noise found, as background.fits and noise.fits.
     #[arg(long, help_heading = "Catalogue")]
     sky_maps: bool,
     /// Of the maps write segmentation.fits alone, without segmented.fits and front.fits.
@@ -56,7 +56,7 @@ pub struct Measuring {
     map_only: bool,
     /// The time at which the front came to each pixel as arrival.fits, in the paper's unit; for
     /// the fast-marching scheme in f32.
-    #[arg(long, help_heading = "Front (--method rescaling)")]
+    #[arg(long, help_heading = "Front")]
     arrival: bool,
 }
 

@@ -4,7 +4,7 @@ use super::job::Done;
 use crate::input::Input;
 use crate::provenance::shortest;
 use indicatif::{ProgressBar, ProgressStyle};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Scheme, Select};
 use skyfront_core::run::outcome::{Progress, StopReason};
 use skyfront_core::run::stage::Stage;
 use std::io::IsTerminal;
@@ -51,10 +51,11 @@ pub fn report(config: &Config, name: &str, done: &Done, volume: Volume) -> Vec<S
         StopReason::Rest => "came to rest",
         StopReason::TimeLimit => "was given up",
     };
-    let how = match config.detection {
+    let how = match config.scheme {
         _ if done.given => "measured as given".to_owned(),
-        Some(_) => "by their significance".to_owned(),
-        None => format!("the front {reason} at t = {t:.4} after {} steps", outcome.steps),
+        Scheme::Region if config.select == Select::Significance => "by their significance".to_owned(),
+        Scheme::Region => "by their area".to_owned(),
+        _ => format!("the front {reason} at t = {t:.4} after {} steps", outcome.steps),
     };
     let mut lines =
         vec![format!("{name}: {} x {} pixels, {} sources; {how}", done.width, done.height, outcome.sources)];

@@ -5,7 +5,6 @@
 mod batch;
 mod beside;
 mod budget;
-mod choices;
 mod columns;
 mod crosscheck;
 mod demo;
@@ -29,14 +28,15 @@ mod settings;
 mod simulate;
 mod table;
 
+pub use crate::truth::simulated;
 pub use beside::Beside;
-pub use demo::simulated;
 pub use measuring::Measuring;
 pub use options::Options;
 
+use crate::choices;
+use crate::settings::Refused;
 use anyhow::Result;
 use clap::{Arg, ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
-use given::Unused;
 use say::{Stderr, Stdout, Unwritten};
 use skyfront_core::config::Parameter;
 use skyfront_core::error::Error;
@@ -134,9 +134,20 @@ fn command() -> clap::Command {
 
 /// An error in one line; a parameter out of bounds by the name of its option.
 fn message(error: &anyhow::Error) -> String {
-    match error.downcast_ref::<Error>() {
+    match core_error(error) {
         Some(refused @ Error::Parameter { .. }) => format!("--{refused}"),
+        Some(Error::Together { choice, value, other, wanted }) => {
+            format!("--{choice} {value} needs --{other} {wanted}")
+        }
         _ => format!("{error:#}"),
+    }
+}
+
+/// The core's error where it is one.
+fn core_error(error: &anyhow::Error) -> Option<&Error> {
+    match error.downcast_ref() {
+        Some(Refused::Value(refused)) => Some(refused),
+        _ => error.downcast_ref(),
     }
 }
 
@@ -147,8 +158,9 @@ struct Usage(&'static str);
 
 /// Whether an error lies in the command line, not in the files.
 fn is_usage(error: &anyhow::Error) -> bool {
-    let refused = matches!(error.downcast_ref::<Error>(), Some(Error::Parameter { .. } | Error::Arithmetic { .. }));
-    refused || error.is::<Usage>() || error.is::<Unused>()
+    let refused =
+        matches!(core_error(error), Some(Error::Parameter { .. } | Error::Together { .. } | Error::Arithmetic { .. }));
+    refused || error.is::<Usage>() || error.is::<Refused>()
 }
 
 fn obey(cli: Cli) -> Result<ExitCode> {

@@ -5,7 +5,6 @@ use crate::read::{self, HduChoice, Image};
 use crate::score::score;
 use anyhow::{Result, ensure};
 use clap::Args;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
@@ -30,23 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     same_size(&truth, &map, &arguments.map)?;
     same_size(&truth, &image, &arguments.image)?;
     let result = score(&labels(&truth), &labels(&map), &image.pixels);
-    let values = json!({
-        "n_truth": result.objects,
-        "n_seg": result.segments,
-        "tp": result.matched,
-        "fp": result.segments - result.matched,
-        "fn": result.objects - result.matched,
-        "completeness": result.completeness,
-        "purity": result.purity,
-        "f_score": result.f_score,
-        "um": result.under_merging,
-        "om": result.over_merging,
-        "area_score": 1.0 - result.under_merging.hypot(result.over_merging),
-        "combined": result.combined,
-        "mean_iou": result.mean_iou,
-        "pq": result.panoptic,
-    });
-    writeln!(Stdout, "{values:#}")?;
+    writeln!(Stdout, "{:#}", result.json())?;
     Ok(())
 }
 

@@ -113,8 +113,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if arguments.manner().request.arrival && !marches {
         bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));
     }
-    if arguments.manner().request.sky && config.detection.is_none() {
-        bail!(Usage("--sky-maps is not used by --method rescaling: only --method significance maps sky and noise"));
+    if arguments.manner().request.sky && !config.sky.is_known() {
+        bail!(Usage("--sky-maps is not used by --sky none; it needs --sky mesh or frame"));
     }
     match arguments.images.as_slice() {
         [path] => {

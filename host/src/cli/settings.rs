@@ -4,8 +4,9 @@
 //! the help says come from the same definitions. The command line goes before the file, the file
 //! before the preset.
 
-use super::foreign::{ours, translated};
+use super::foreign::translated;
 use crate::provenance::parameters;
+use crate::settings::ours;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, Error};

@@ -12,7 +12,7 @@ mod walk;
 
 pub use compare::{Comparison, PlaneDifference, compare};
 pub use report::{json, table};
-pub use settings::parameters;
+pub use settings::{parameters, settings};
 pub use walk::{Difference, walk};
 
 use crate::arithmetics::{self, Task, adapted};
@@ -139,9 +139,9 @@ impl From<Error> for CheckError {
 /// Why the reference has nothing to say about a configuration, if it has not.
 pub fn unheard_of(config: &Config) -> Option<&'static str> {
     match config {
-        Config { detection: Some(_), .. } => Some(
-            "the reference has no word on the noise-aware segmentation: name a preset with a front, as --preset paper-f160",
-        ),
+        config if config.sky.is_known() => {
+            Some("the reference has no word on signal-to-noise: name a preset with --sky none, as --preset paper-f160")
+        }
         Config { start: Start::Given, .. } => {
             Some("the reference has no word on a front that starts from a map: leave --start out")
         }

@@ -2,6 +2,7 @@
 
 use crate::provenance::shortest as decimal;
 use crate::reference as r;
+use crate::reference::noise_aware::Settings;
 use skyfront_core::config as c;
 
 /// The same run for the reference. An `f32` of the configuration stands for the decimal number that a person would
@@ -32,7 +33,8 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Edge::G2Mod { c2 } => r::Edge::G2Mod { c2: decimal(c2) },
         },
         scheme: match config.scheme {
-            c::Scheme::Fd => r::Scheme::Fd,
+            // That of regions needs signal-to-noise, of which the reference has no word.
+            c::Scheme::Fd | c::Scheme::Region => r::Scheme::Fd,
             c::Scheme::FastMarching => r::Scheme::FastMarching,
             c::Scheme::Sl => r::Scheme::Sl,
             c::Scheme::FdCurvature => r::Scheme::FdCurvature,
@@ -64,11 +66,35 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Stop::Rate => r::Stop::Rate,
         },
         band: config.band.map(decimal),
-        connectivity: match config.connectivity {
-            c::Connectivity::Four => r::Connectivity::Four,
-            c::Connectivity::Eight => r::Connectivity::Eight,
-        },
+        connectivity: connectivity(config.connectivity),
         min_area: config.min_area as usize,
+    }
+}
+
+/// The same for the default.
+pub fn settings(config: &c::Config) -> Settings {
+    Settings {
+        threshold: decimal(config.outline.threshold),
+        steps: config.outline.steps,
+        curvature: decimal(config.outline.curvature),
+        peak: decimal(config.significance.peak),
+        false_sources: decimal(config.significance.false_sources),
+        false_share: decimal(config.significance.false_share),
+        branch: decimal(config.deblending.branch),
+        contrast: decimal(config.deblending.contrast),
+        light: decimal(config.significance.light),
+        min_area: config.min_area as usize,
+        excess: decimal(config.deblending.excess),
+        reopened_area: config.deblending.reopened_area as usize,
+        sharpening: decimal(config.deblending.sharpening),
+        connectivity: connectivity(config.connectivity),
+    }
+}
+
+fn connectivity(connectivity: c::Connectivity) -> r::Connectivity {
+    match connectivity {
+        c::Connectivity::Four => r::Connectivity::Four,
+        c::Connectivity::Eight => r::Connectivity::Eight,
     }
 }
 
@@ -84,7 +110,7 @@ fn rescale(rescale: c::Rescale) -> r::Rescale {
 fn filter(config: &c::Config) -> r::Filter {
     let (steps, dt) = (config.filter_steps.into(), decimal(config.filter_dt));
     match config.filter {
-        c::Filter::None => r::Filter::None,
+        c::Filter::None | c::Filter::Gauss | c::Filter::Adaptive => r::Filter::None,
         c::Filter::Heat => r::Filter::Heat { steps, dt },
         c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
             f: match diffusivity {

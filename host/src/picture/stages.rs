@@ -4,7 +4,7 @@ use super::canvas::TextSize;
 use super::outline::{Panel, Zoom};
 use super::{Canvas, Colour, PALETTE, Stretch};
 use crate::pipeline::{Segmentation, StagePlanes};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Scheme};
 
 /// The longer side of one panel, about.
 const SIDE: usize = 400;
@@ -25,8 +25,8 @@ const PAPER: [Caption; 6] = [
     ("front", "blue where it has passed, outlined where it stopped"),
     ("segments", "each source in a colour of its own"),
 ];
-/// Those of the noise-aware segmentation, in the same places; it rescales nothing.
-const NOISE_AWARE: [Caption; 6] = [
+/// Those of a front by regions, in the same places; nothing is rescaled.
+const BY_REGION: [Caption; 6] = [
     ("signal to noise", "above the sky, in units of a pixel's noise"),
     ("", ""),
     ("smoothed", "noise smoothed away where no detail is lost"),
@@ -37,7 +37,7 @@ const NOISE_AWARE: [Caption; 6] = [
 
 /// The stages of a configuration, in order; those without a name have no picture.
 pub fn captions(config: &Config) -> [Caption; 6] {
-    if config.detection.is_some() { NOISE_AWARE } else { PAPER }
+    if config.scheme == Scheme::Region { BY_REGION } else { PAPER }
 }
 
 /// Draws one stage by its place in [`captions`], if there is anything to draw.

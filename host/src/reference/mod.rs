@@ -26,6 +26,7 @@ mod fd_curvature;
 mod fd_filtered;
 mod filter;
 mod front;
+pub mod noise_aware;
 mod normalize;
 mod otsu;
 mod parameters;

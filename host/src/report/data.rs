@@ -2,7 +2,7 @@
 
 use super::picture;
 use crate::catalogue::{Catalogue, Value as Cell};
-use crate::detection::shown;
+use crate::extraction::shown;
 use crate::input::Input;
 use crate::outline::{Ring, rings};
 use crate::picture::{captions, stage};
@@ -67,7 +67,7 @@ fn facts(subject: &Subject<'_>) -> Vec<Value> {
         fact("pixels", json!(format!("{} × {}", subject.run.width, subject.run.height))),
         fact("pixels in sources", json!(outcome.mask_pixels)),
     ];
-    if subject.config.detection.is_none() {
+    if subject.config.scheme != Scheme::Region {
         facts.push(match outcome.reason {
             StopReason::Rest => fact("the front came to rest at", json!(format!("t = {t:.3}"))),
             StopReason::TimeLimit => {
@@ -149,7 +149,7 @@ fn stages(subject: &Subject<'_>) -> Vec<Value> {
 /// The histogram of the image in which a threshold decides, and the threshold in it.
 fn histogram(subject: &Subject<'_>) -> Value {
     let planes = subject.planes;
-    if let Some(detection) = &subject.config.detection {
+    if subject.config.scheme == Scheme::Region {
         let mut histogram = Histogram::EMPTY;
         planes.filtered.iter().for_each(|&value| histogram.add(value));
         return json!({
@@ -157,7 +157,7 @@ fn histogram(subject: &Subject<'_>) -> Value {
             "from": shown::LEAST,
             "to": shown::GREATEST,
             "axis": "signal to noise",
-            "limit": shortest(detection.outline),
+            "limit": shortest(subject.config.outline.threshold),
             "limit_name": "threshold",
             "note": format!("The smoothed image in {BINS} bins, values beyond the ends in the first and the last one, with the level of the outlines."),
         });

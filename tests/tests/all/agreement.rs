@@ -3,7 +3,12 @@
 //!
 //! Simulated skies of high and low signal to noise and of stars, as the paper would segment them.
 
-use skyfront_core::config::Scheme;
+use skyfront::crosscheck::settings;
+use skyfront::extraction;
+use skyfront::pipeline::Drive;
+use skyfront::reference::noise_aware::run;
+use skyfront_core::arithmetic::F32;
+use skyfront_core::config::{Config, Scheme};
 use skyfront_core::simulate::Kind;
 use skyfront_tests::agreement::Agreement;
 use skyfront_tests::captions::{CAPTIONS, RESCALINGS, paper};
@@ -65,5 +70,20 @@ fn the_captions_of_the_paper() {
         let core = Agreement::of(&caption.config(), &pixels, SIDE).core;
         let f32 = core[0].as_ref().expect("f32 serves every scheme");
         assert!(f32.steps.0.abs_diff(f32.steps.1) <= 2 && f32.mask_pixels <= 2, "{caption:?}: {f32:?}");
+    }
+}
+
+/// The default: whole runs go the same ways, but for single pixels at a border where a rounding decides.
+#[test]
+fn the_default() {
+    for (kind, seed) in [(Kind::Bright, 3), (Kind::Noisy, 4), (Kind::Noisy, 5), (Kind::Stars, 6)] {
+        let pixels = sky(kind, seed, SIDE, SIDE);
+        let wide: Vec<f64> = pixels.iter().map(|&pixel| pixel.into()).collect();
+        let reference = run(&settings(&Config::NOISE_AWARE), &wide, SIDE).expect("a sky");
+        let core =
+            extraction::segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut Drive::default()).expect("a sky");
+        let differ = core.labels.iter().zip(&reference.labels).filter(|(a, b)| a != b).count();
+        println!("{kind:?} {seed}: {} sources, {differ} pixels", reference.sources);
+        assert!(reference.sources > 0 && core.outcome.sources == reference.sources && differ <= 2, "{kind:?} {seed}");
     }
 }

@@ -39,11 +39,12 @@ fn dumped(options: &[&str]) -> String {
 fn dumped_settings_give_the_same_settings_again() {
     let folder = Folder::new("dump");
     let file = folder.file("settings.toml");
-    let cases: [&[&str]; 7] = [
+    let cases: [&[&str]; 8] = [
         &[],
         &["--preset", "paper-f160"],
         &["--preset", "paper-real", "--pm-mu", "2", "--hdu", "SCI,2", "--no-pictures"],
-        &["--method", "rescaling", "--tau", "0.25", "--normalize", "percentile", "--range", "1,99.5"],
+        &["--scheme", "sl", "--sky", "mesh:40", "--filter", "none", "--separate", "components", "--select", "area"],
+        &["--preset", "paper-f160", "--tau", "0.25", "--normalize", "percentile", "--range", "1,99.5"],
         &["--preset", "paper-f160", "--scheme", "sl-curvature", "--nu", "1e-5", "--start", "map.fits", "--margin", "7"],
         &["--threshold", "1.5", "--connectivity", "4", "--deblend-contrast", "0.01", "--min-area", "9"],
         &["--preset", "paper-f160", "--rescale", "r2", "--alpha", "0.3", "--edge", "g1", "--p", "10", "--jobs", "3"],

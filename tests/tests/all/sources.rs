@@ -1,10 +1,10 @@
 //! What real optics and detectors make of a star stays one source, in every arithmetic.
 
-use skyfront::detection::segment;
+use skyfront::extraction::segment;
 use skyfront::pipeline::{Drive, Segmentation};
 use skyfront::write::fits::Writer;
-use skyfront_core::arithmetic::{Fixed14, Level};
-use skyfront_core::config::detection::Detection;
+use skyfront_core::arithmetic::{F32, Fixed14, Level};
+use skyfront_core::config::Config;
 use skyfront_core::sources::flags::PLATEAU;
 use skyfront_tests::command::{Folder, skyfront};
 use skyfront_tests::noise::gaussian;
@@ -54,7 +54,7 @@ fn stars(seed: u64, shape: impl Fn(f32, f32) -> f32) -> Vec<f32> {
 }
 
 fn run<L: Level>(pixels: &[f32]) -> Segmentation {
-    segment::<L>(&Detection::DEFAULT, pixels, SIDE, &Drive::default()).expect("the frame can be segmented")
+    segment::<F32, L>(&Config::NOISE_AWARE, pixels, SIDE, &mut Drive::default()).expect("the frame can be segmented")
 }
 
 /// Every star is one source, and there is no other, in either arithmetic; what single precision found.

@@ -10,7 +10,8 @@ use crate::front::start;
 use crate::image::filter::{Heat, PeronaMalik};
 use crate::image::normalize;
 use crate::image::rescale::Rescaler;
-use crate::plane::sweep::{Band, Halo, Kernel, advance, row_of, row_of_mut};
+use crate::plane::rows::{row_of, row_of_mut};
+use crate::plane::sweep::{Band, Halo, Kernel, advance};
 use crate::plane::tiles::{Tiles, rows_of_tile};
 use crate::run::frame::Frame;
 use crate::run::plan::reads_frame;
@@ -187,7 +188,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
 
     pub(super) fn filter_rows(&mut self, end: usize) {
         match self.config.filter {
-            Filter::None => {}
+            Filter::None | Filter::Gauss | Filter::Adaptive => {}
             Filter::Heat => self.sweep_image(&mut Heat::<A>::new(&self.config), end),
             Filter::PeronaMalik { diffusivity, mu } => {
                 self.sweep_image(&mut PeronaMalik::<A>::new(&self.config, diffusivity, mu), end);

@@ -1,29 +1,30 @@
-//! The noise-aware segmentation on the host: memory, the call, the catalogue.
+//! A run on signal-to-noise on the host: memory, the steps, the catalogue.
 
 use crate::background::SkyMaps;
 use crate::nothing::without_front;
-use crate::pipeline::{Drive, Segmentation, StagePlanes};
+use crate::pipeline::{Drive, Segmentation, StagePlanes, segment_in};
 use crate::remarks;
-use skyfront_core::arithmetic::Level;
-use skyfront_core::config::detection::Detection;
+use skyfront_core::arithmetic::{Arithmetic, Level};
+use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
-use skyfront_core::run::detect::{Known, Workspace, detect, regions};
+use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::outcome::Outcome;
-use skyfront_core::run::stage::Stage;
+use skyfront_core::run::workspace::{Workspace, regions};
+use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::sources::tree::Region;
 use std::time::Instant;
 
 /// Bytes that an image and [`segment`] without pictures take together, by what they hold.
-pub fn memory(width: usize, height: usize) -> [(usize, &'static str); 4] {
+pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static str); 4] {
     let plane = width * height * size_of::<f32>();
     [
         (2 * plane, "the image, and the level that is kept of it"),
         (9 * plane, "nine planes to work in"),
         (regions(width, height) * size_of::<Region<f32>>(), "table of regions"),
-        (mesh_cells(width, height) * size_of::<Sky>(), "mesh of the sky"),
+        (mesh_cells(width, height, config.sky.cell()) * size_of::<Sky>(), "mesh of the sky"),
     ]
 }
 
@@ -40,24 +41,23 @@ pub mod shown {
     }
 }
 
-/// Segments an image, row-major, NaN = undefined, in `L`.
+/// Segments an image, row-major, NaN = undefined, in `L`; a front that is not the region's own moves in `A`.
 ///
 /// # Errors
-/// What the core finds wrong with the image.
-pub fn segment<L: Level>(
-    detection: &Detection,
+/// What the core finds wrong with the configuration or the image.
+pub fn segment<A: Arithmetic, L: Level>(
+    config: &Config,
     pixels: &[f32],
     width: usize,
-    drive: &Drive<'_>,
+    drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
-    let started = Instant::now();
     let count = pixels.len();
     let height = count / width.max(1);
     let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
     let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
-    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height)];
+    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())];
     let mut table = vec![Region::<L>::BLANK; regions(width, height)];
-    let mut work = Workspace {
+    let work = Workspace {
         signal: &mut signal,
         fine: &mut fine,
         smooth: &mut smooth,
@@ -71,10 +71,28 @@ pub fn segment<L: Level>(
         regions: &mut table,
     };
     let known = Known { background: drive.background, noise: drive.noise, relative: drive.relative };
-    let found = detect(pixels, width, &known, detection, &mut work)?;
+    let mut run = Extractor::new(config, pixels, width, known, work)?;
+    let (mut seconds, mut moved) = (Vec::new(), None);
+    let found = loop {
+        let started = Instant::now();
+        match run.progress() {
+            Progress::Done(found) => break found,
+            Progress::Next(stage) => {
+                run.poll()?;
+                seconds.push((stage, started.elapsed()));
+            }
+            Progress::Front => {
+                let evolved = move_front::<A, L>(config, &run, width, drive)?;
+                run.outline(|at| evolved.front[at] > 0.0);
+                seconds.extend(evolved.seconds.iter().copied());
+                moved = Some(evolved);
+            }
+        }
+    };
     let [smooth, front, masked] = [smooth, front, masked].map(in_f32);
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
-    let mut sky = SkyMaps::of(&Mesh::over(&mut mesh, (width, height)), width, [fine, scratch].map(in_f32));
+    let mut sky =
+        SkyMaps::of(&Mesh::over(&mut mesh, (width, height), config.sky.cell()), width, [fine, scratch].map(in_f32));
     // Nothing is measured in what was never observed.
     sky.noise
         .iter_mut()
@@ -107,35 +125,67 @@ pub fn segment<L: Level>(
             mark(&mut plateaus, region.label);
         }
     }
-    let stages = drive.keep_stages.then(|| StagePlanes {
+    let own_stages = || StagePlanes {
         normalised: signal.iter().map(|value| shown::unit(&value.to_f32())).collect(),
         rescaled: Vec::new(),
         filtered: smooth.iter().map(shown::unit).collect(),
         edge: masked,
-    });
-    let outcome = Outcome {
-        mask_pixels: found.mask_pixels,
-        sources: found.sources,
-        catalogued: found.sources,
-        unlabelled: found.unlabelled,
-        ..without_front(extremes)
     };
-    Ok(Segmentation {
+    let run = Segmentation {
         arithmetic: L::NAME,
         width,
         height,
         labels,
         front,
-        stages,
+        stages: (drive.keep_stages && moved.is_none()).then(own_stages),
         convergence: Vec::new(),
         sources,
         blended: Some(blended),
         plateaus,
-        outcome,
+        outcome: without_front(extremes),
         sky: Some(sky),
-        seconds: vec![(Stage::Measure, started.elapsed())],
+        seconds,
         remarks: remarks::on(&found, count),
-    })
+    };
+    Ok(with_front(run, &found, moved))
+}
+
+/// Moves the front of a configuration over the image that a run has made.
+fn move_front<A: Arithmetic, L: Level>(
+    config: &Config,
+    run: &Extractor<'_, '_, L>,
+    width: usize,
+    drive: &mut Drive<'_>,
+) -> Result<Segmentation, Error> {
+    let image: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
+    // The run needs the front itself before anyone else may have it.
+    let take_front = drive.take_front.take();
+    let evolved = segment_in::<A>(config, &image, width, image.len() / width.max(1), drive);
+    drive.take_front = take_front;
+    evolved
+}
+
+/// A run with what its front found, if one was moved for it, and the sources.
+fn with_front(run: Segmentation, found: &Found, moved: Option<Segmentation>) -> Segmentation {
+    let run = match moved {
+        None => run,
+        Some(moved) => Segmentation {
+            front: moved.front,
+            stages: moved.stages,
+            convergence: moved.convergence,
+            outcome: Outcome { extremes: run.outcome.extremes, ..moved.outcome },
+            ..run
+        },
+    };
+    let outcome = Outcome {
+        mask_pixels: found.mask_pixels,
+        sources: found.sources,
+        catalogued: found.sources,
+        unlabelled: found.unlabelled,
+        unreached: found.unreached,
+        ..run.outcome
+    };
+    Segmentation { outcome, ..run }
 }
 
 /// A plane in single precision, in its own memory.

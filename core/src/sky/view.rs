@@ -1,0 +1,70 @@
+//! A frame with what is known of it beforehand: which pixels are observations, and maps of sky and noise.
+
+use crate::plane::grid::Grid;
+use crate::plane::sort::Keys;
+use crate::sky::Values;
+
+/// What is known of the sky beforehand; what is not is measured on the image.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Known<'a> {
+    /// W x H: the background, in units of the image. Where it is not finite, the pixel is undefined.
+    pub background: Option<&'a [f32]>,
+    /// W x H: the standard deviation of each pixel. Where it is not finite or not above 0, the
+    /// pixel is undefined.
+    pub noise: Option<&'a [f32]>,
+    /// Whether `noise` says only which pixels are noisier than others, as weight maps do: it is
+    /// then multiplied by one factor, so that it agrees with the noise that is measured.
+    pub relative: bool,
+}
+
+impl Known<'_> {
+    pub(crate) fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
+        map.and_then(|map| map.get(at).copied())
+    }
+
+    /// Whether the maps leave the pixel defined.
+    pub(crate) fn allows(&self, at: usize) -> bool {
+        Self::value(self.background, at).is_none_or(f32::is_finite)
+            && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
+    }
+}
+
+/// A frame with what is known of it.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// W x H, row-major.
+    pub pixels: &'a [f32],
+    /// Its shape.
+    pub grid: Grid,
+    /// Sky and noise that were given.
+    pub known: Known<'a>,
+    /// How its values came about.
+    pub values: Values,
+}
+
+impl<'a> View<'a> {
+    /// Looks at a frame.
+    pub fn of(pixels: &'a [f32], grid: Grid, known: Known<'a>, keys: Keys<'_>) -> View<'a> {
+        let values = Values::measure(pixels, grid.width.get(), |at| known.allows(at), keys);
+        View { pixels, grid, known, values }
+    }
+
+    /// Whether a pixel is an observation that may be used.
+    pub fn is_defined(&self, at: usize) -> bool {
+        self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
+    }
+
+    /// The two defined pixels of its row, or else of its column, between which an undefined one lies.
+    pub(crate) fn between(&self, at: usize) -> Option<[usize; 2]> {
+        let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(at));
+        let defined = |pair: &[usize; 2]| pair.iter().all(|&at| self.is_defined(at));
+        let row = (x > 0 && x + 1 < width.get()).then(|| [at - 1, at + 1]).filter(defined);
+        let column = || (y > 0 && y + 1 < height).then(|| [at - width.get(), at + width.get()]).filter(defined);
+        row.or_else(column)
+    }
+
+    /// Whether there is a signal: the pixel is defined, or lies between two that are.
+    pub fn has_signal(&self, at: usize) -> bool {
+        self.is_defined(at) || self.between(at).is_some()
+    }
+}

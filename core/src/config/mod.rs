@@ -98,9 +98,20 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// Whether it is a filter of the image plane, that goes in steps.
+    /// The name of its step, by which the costs of a step are told; none for those that do not go over
+    /// the image plane in steps.
+    pub const fn step_name(self) -> &'static str {
+        match self {
+            Filter::None | Filter::Gauss | Filter::Adaptive => "none",
+            Filter::Heat => "heat",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
+        }
+    }
+
+    /// Whether it goes over the image plane in steps.
     pub const fn is_stepped(self) -> bool {
-        matches!(self, Filter::Heat | Filter::PeronaMalik { .. })
+        !matches!(self, Filter::None | Filter::Gauss | Filter::Adaptive)
     }
 }
 

@@ -13,9 +13,9 @@ mod signal;
 mod walk;
 
 pub use compare::{Comparison, PlaneDifference, compare};
+pub use notes::Difference;
 pub use report::{json, table};
 pub use settings::{parameters, settings};
-pub use notes::Difference;
 pub use signal::walk_signal;
 pub use walk::walk;
 

@@ -80,9 +80,9 @@ pub fn settings(config: &c::Config) -> Settings {
     Settings {
         cell: config.sky.cell(),
         smoothing: match config.filter {
-            c::Filter::None | c::Filter::Heat | c::Filter::PeronaMalik { .. } => Smoothing::None,
             c::Filter::Gauss => Smoothing::Fine,
             c::Filter::Adaptive => Smoothing::ByNeed,
+            _ => Smoothing::None,
         },
         threshold: decimal(outline.threshold),
         steps: outline.steps,

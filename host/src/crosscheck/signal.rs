@@ -51,7 +51,13 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
             }
             Progress::Front => {
                 let image: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
-                walk.notes.found.extend(self::walk::<A>(config, &parameters(config), &image, (width, height), &mut |_, _| {})?);
+                walk.notes.found.extend(self::walk::<A>(
+                    config,
+                    &parameters(config),
+                    &image,
+                    (width, height),
+                    &mut |_, _| {},
+                )?);
                 let front = segment_in::<A>(config, &image, width, height, &mut Drive::default())?.front;
                 run.outline(|at| front[at] > 0.0);
                 let after = Left::of(run.work(), config, width);
@@ -245,9 +251,8 @@ impl Walk {
     /// cells, and of the noise.
     fn signal_off(&self, raw: &Plane, mesh: &Mesh) -> Plane {
         let cells = || mesh.cells.iter().flatten();
-        let range = |of: fn(&Sky) -> f64| {
-            cells().map(of).fold(f64::MIN, f64::max) - cells().map(of).fold(f64::MAX, f64::min)
-        };
+        let range =
+            |of: fn(&Sky) -> f64| cells().map(of).fold(f64::MIN, f64::max) - cells().map(of).fold(f64::MAX, f64::min);
         let (levels, noises) = (range(|sky| sky.level), range(|sky| sky.noise));
         Plane::from_fn(raw.width(), raw.height(), |i, j| {
             let (sky, signal) = (mesh.at(i as usize, j as usize), raw.at(i, j).abs());
@@ -330,9 +335,8 @@ impl Walk {
             reference::Smoothing::ByNeed => &before.smooth,
         };
         let cells = |plane: &Plane| plane.values().iter().map(|&v| L::of(v as f32)).collect::<Vec<L>>();
-        let plane = |cells: &[L]| {
-            Plane::from_fn(width, height, |i, j| cells[j as usize * width + i as usize].to_f32().into())
-        };
+        let plane =
+            |cells: &[L]| Plane::from_fn(width, height, |i, j| cells[j as usize * width + i as usize].to_f32().into());
         let (signal, mut u, mut rows) = (cells(&before.fine), cells(image), vec![L::ZERO; 2 * width]);
         front.start(&mut u);
         let off = image.map(|v| self.grain + bit(23) * (v.abs() + 1.0));
@@ -363,9 +367,8 @@ impl Walk {
         Plane::from_fn(u.width(), u.height(), |i, j| {
             let v = u.around(i, j);
             let force = reference::force(fine.at(i, j), self.asked.threshold);
-            let bends = (v.e + v.w - 2.0 * v.c).abs()
-                + (v.n + v.s - 2.0 * v.c).abs()
-                + 0.5 * (v.ne + v.sw - v.nw - v.se).abs();
+            let bends =
+                (v.e + v.w - 2.0 * v.c).abs() + (v.n + v.s - 2.0 * v.c).abs() + 0.5 * (v.ne + v.sw - v.nw - v.se).abs();
             let way = 1.05e-3 * force.abs() * reference::steepness(&v, force);
             let rounded = self.grain * (6.0 + 8.0 * bends) + bit(20) * (1.0 + bends);
             reference::STEP * (way + self.grain * force.abs() + self.asked.curvature * rounded) + self.grain + bit(22)

@@ -1,9 +1,10 @@
 //! A run on signal-to-noise on the host: memory, the steps, the catalogue.
 
 use crate::background::SkyMaps;
+use crate::evolution::segment_in;
 use crate::nothing::without_front;
-use crate::pipeline::{Drive, Segmentation, StagePlanes, segment_in};
 use crate::remarks;
+use crate::segmentation::{Drive, Segmentation, StagePlanes};
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;

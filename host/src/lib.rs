@@ -13,6 +13,7 @@ pub mod choices;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod crosscheck;
+pub mod evolution;
 pub mod extraction;
 pub mod given;
 pub mod input;
@@ -35,6 +36,7 @@ pub mod remarks;
 pub mod report;
 pub mod reproduce;
 pub mod score;
+pub mod segmentation;
 pub mod settings;
 pub mod sky;
 pub mod summary;

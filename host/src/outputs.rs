@@ -29,6 +29,17 @@ pub const ARRIVAL: &str = "arrival.fits";
 /// Names of the pictures.
 pub const PICTURES: [&str; 3] = ["stages.png", "overlay.png", report::FILE];
 
+/// The names of the files that a request asks for, beside [`DATA`] and [`PICTURES`].
+pub fn names(request: &Request) -> Vec<&'static str> {
+    let regions: &[&str] = if request.regions { &outline::REGIONS } else { &[] };
+    let polygons: &[&str] = if request.polygons { &[outline::POLYGONS] } else { &[] };
+    let sky: &[&str] = if request.sky { &SKY } else { &[] };
+    let arrival: &[&str] = if request.arrival { &[ARRIVAL] } else { &[] };
+    let values: &[&str] = if request.map_only { &[] } else { &VALUES };
+    let formats = request.formats.iter().map(|format| format.file());
+    formats.chain([values, regions, polygons, sky, arrival].into_iter().flatten().copied()).collect()
+}
+
 /// What writing leaves.
 pub struct Written {
     /// What summary.json holds.

@@ -88,25 +88,6 @@ impl Default for Request {
     }
 }
 
-impl Request {
-    /// The files that will be written.
-    pub fn files(&self) -> Vec<&'static str> {
-        let regions: &[&str] = if self.regions { &crate::outline::REGIONS } else { &[] };
-        let polygons: &[&str] = if self.polygons { &[crate::outline::POLYGONS] } else { &[] };
-        let sky: &[&str] = if self.sky { &crate::outputs::SKY } else { &[] };
-        let arrival: &[&str] = if self.arrival { &[crate::outputs::ARRIVAL] } else { &[] };
-        let values: &[&str] = if self.map_only { &[] } else { &crate::outputs::VALUES };
-        self.formats
-            .iter()
-            .map(|format| format.file())
-            .chain(values.iter().copied())
-            .chain(regions.iter().copied())
-            .chain(polygons.iter().copied())
-            .chain(sky.iter().chain(arrival).copied())
-            .collect()
-    }
-}
-
 /// The sources of a run with their columns.
 pub struct Catalogue {
     /// The columns, in order.

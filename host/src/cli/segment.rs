@@ -96,7 +96,7 @@ impl Arguments {
         let mut share = None;
         let mut admit = |width, height| {
             let size = (width, height);
-            share = Some(memory.take(need(config, &manner, maps.count(), size)?, size)?);
+            share = Some(memory.take(need(config, manner.pictures, maps.count(), size)?, size)?);
             Ok(())
         };
         let image = Place::new(path).read_hdu_if(self.hdu.as_ref(), &mut admit)?;

@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::grid::Grid;
+use crate::plane::sort;
 
 /// Parts of a pixel to which centres are known.
 const PARTS: f32 = 256.0;
@@ -55,6 +56,19 @@ impl<L: Level> Field<'_, L> {
         self.between(self.across(centre, index))
     }
 
+    /// The median of the values as far from a centre as a place, at the seven others in steps of 45
+    /// degrees; 0 counts for what is beyond the frame.
+    pub fn around(&self, centre: (L, L), place: (L, L)) -> L {
+        let (x, y) = (place.0 - centre.0, place.1 - centre.1);
+        let slanted = |value: L| value.scaled(L::Weight::of(core::f32::consts::FRAC_1_SQRT_2));
+        let (u, v) = (slanted(x - y), slanted(x + y));
+        let turned = [(u, v), (-y, x), (-v, u), (-x, -y), (-u, -v), (y, -x), (v, -u)];
+        let mut values = turned.map(|(x, y)| self.between((centre.0 + x, centre.1 + y)).unwrap_or(L::ZERO));
+        sort::few(&mut values, |a, b| a.key() < b.key());
+        let [_, _, _, median, ..] = values;
+        median
+    }
+
     /// The place, (x, y), of a pixel.
     pub fn place(&self, index: usize) -> (L, L) {
         let (x, y) = self.grid.place(index);
@@ -96,4 +110,31 @@ impl<L: Level> Field<'_, L> {
 /// The place on the other side of a centre.
 pub fn opposite<L: Level>(centre: (L, L), place: (L, L)) -> (L, L) {
     (centre.0 + centre.0 - place.0, centre.1 + centre.1 - place.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::Fixed14;
+
+    /// Around the centre (3, 3) the values are those of the directions, from the right upwards.
+    fn around<L: Level>(light: [f32; 8]) -> f32 {
+        let mut values = [L::ZERO; 49];
+        // At the corners the distance 3 lies between four pixels.
+        let places: [&[usize]; 8] =
+            [&[27], &[40, 41, 47, 48], &[45], &[35, 36, 42, 43], &[21], &[0, 1, 7, 8], &[3], &[5, 6, 12, 13]];
+        for (place, light) in places.into_iter().zip(light) {
+            place.iter().for_each(|&at| values[at] = L::of(light));
+        }
+        let field = Field { values: &values, grid: Grid::of(49, 7).expect("there are columns") };
+        field.around((L::of(3.0), L::of(3.0)), (L::of(6.0), L::of(3.0))).to_f32()
+    }
+
+    #[test]
+    fn three_of_seven_places_do_not_count() {
+        for light in [[90.0, 2.0, 1.0, 3.0, 50.0, 4.0, 60.0, 70.0], [0.0, 50.0, 60.0, 70.0, 4.0, 1.0, 2.0, 3.0]] {
+            assert!((around::<f32>(light) - 4.0).abs() < 1e-3, "{}", around::<f32>(light));
+            assert!((around::<Fixed14>(light) - 4.0).abs() < 1e-2, "{}", around::<Fixed14>(light));
+        }
+    }
 }

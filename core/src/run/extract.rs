@@ -265,6 +265,11 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         smoothed(self.config.filter, &self.work)
     }
 
+    /// The planes, the mesh and the regions as the steps so far left them.
+    pub fn work(&self) -> &Workspace<'m, L> {
+        &self.work
+    }
+
     /// Takes the front that was awaited: whether a pixel is inside, by its index. What no front can have
     /// reached is counted, and is not.
     pub fn outline(&mut self, inside: impl Fn(usize) -> bool) {
@@ -317,7 +322,7 @@ fn smoothed<'w, L: Level>(filter: Filter, work: &'w Workspace<'_, L>) -> &'w [L]
     match filter {
         Filter::Gauss => work.fine,
         Filter::Adaptive => work.smooth,
-        Filter::None | Filter::Heat | Filter::PeronaMalik { .. } => work.signal,
+        _ => work.signal,
     }
 }
 

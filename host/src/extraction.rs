@@ -11,7 +11,7 @@ use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::part::Whole;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
-use skyfront_core::run::outcome::Outcome;
+use skyfront_core::run::outcome::{self, Outcome};
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
@@ -85,6 +85,9 @@ pub fn segment<A: Arithmetic, L: Level>(
             Progress::Next(stage) => {
                 run.poll()?;
                 seconds.push((stage, started.elapsed()));
+                if let Some(watch) = &mut drive.watch {
+                    watch(&outcome::Progress::Working { stage, pass: 0, row: 0, last_change: 0.0 });
+                }
             }
             Progress::Front => {
                 let evolved = move_front::<A, L>(config, &run, width, drive)?;

@@ -31,8 +31,12 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
     let outcome = &run.outcome;
     let settings: Map<String, Value> =
         of_run(config, input).into_iter().map(|one| (one.name.replace('-', "_"), json_of(one.value))).collect();
-    let seconds: Map<String, Value> =
-        parts.iter().map(|(part, time)| (part.clone(), json!(time.as_secs_f64()))).collect();
+    let mut seconds = Map::new();
+    // A stage may come more than once.
+    for (part, time) in parts {
+        let before = seconds.get(part).and_then(Value::as_f64).unwrap_or(0.0);
+        seconds.insert(part.clone(), json!(before + time.as_secs_f64()));
+    }
     // The region's own front has neither tau nor a rule to stop by.
     let moved = |value: Value| if config.scheme != Scheme::Region { value } else { Value::Null };
     json!({

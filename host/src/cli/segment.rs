@@ -50,6 +50,10 @@ pub struct Arguments {
     /// needs more is refused, others wait for each other [default: what container and system give].
     #[arg(long, value_name = "BYTES", value_parser = amount)]
     max_memory: Option<u64>,
+    /// Write a line IMAGE,FOLDER for each image to this file (- is stdout) and segment none: a job list for Nextflow,
+    /// HTCondor or xargs, each job of which is `skyfront segment IMAGE --out FOLDER` with options of its own.
+    #[arg(long, value_name = "FILE")]
+    pub job_list: Option<PathBuf>,
     /// Print the summary on stdout, as JSON; for several images one line each.
     #[arg(long)]
     pub json: bool,
@@ -115,6 +119,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     if arguments.manner().request.sky && !config.sky.is_known() {
         bail!(Usage("--sky-maps is not used by --sky none; it needs --sky mesh or frame"));
+    }
+    if let Some(list) = &arguments.job_list {
+        return batch::list(arguments, list);
     }
     match arguments.images.as_slice() {
         [path] => {

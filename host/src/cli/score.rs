@@ -1,9 +1,10 @@
 //! `skyfront score`: how well a label map agrees with the truth.
 
 use super::say::Stdout;
+use crate::input::LabelMap;
 use crate::read::{self, HduChoice, Image};
 use crate::score::score;
-use anyhow::{Result, ensure};
+use anyhow::{Result, anyhow, ensure};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -21,15 +22,15 @@ pub struct Arguments {
     ext: Option<HduChoice>,
 }
 
-/// Prints the measures as JSON.
+/// Prints the measures as one line of JSON.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let truth = read::image(&arguments.truth, arguments.ext.as_ref())?;
     let map = read::image(&arguments.map, None)?;
     let image = read::image(&arguments.image, None)?;
     same_size(&truth, &map, &arguments.map)?;
     same_size(&truth, &image, &arguments.image)?;
-    let result = score(&labels(&truth), &labels(&map), &image.pixels);
-    writeln!(Stdout, "{:#}", result.json())?;
+    let result = score(&labels(&truth, &arguments.truth)?, &labels(&map, &arguments.map)?, &image.pixels);
+    writeln!(Stdout, "{}", result.json())?;
     Ok(())
 }
 
@@ -45,7 +46,11 @@ fn same_size(truth: &Image, other: &Image, path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Labels are whole numbers, exact in `f32` up to 2^24.
-fn labels(map: &Image) -> Vec<i64> {
-    map.pixels.iter().map(|&label| label as i64).collect()
+/// The labels of a map; an image that is none would be scored without sense.
+fn labels(map: &Image, path: &Path) -> Result<Vec<i64>> {
+    let labels = LabelMap::of(&map.pixels).map_err(|odd| {
+        let (x, y) = (odd % map.width + 1, odd / map.width + 1);
+        anyhow!("{} is no label map: pixel ({x}, {y}) is {}", path.display(), map.pixels[odd])
+    })?;
+    Ok(labels.labels.iter().map(|&label| i64::from(label)).collect())
 }

@@ -5,15 +5,19 @@
 //! The whole runs are compared beside that: there a pixel near u = 0 goes where roundings lead it.
 
 mod compare;
+mod notes;
 mod report;
 mod rounding;
 mod settings;
+mod signal;
 mod walk;
 
 pub use compare::{Comparison, PlaneDifference, compare};
+pub use notes::Difference;
 pub use report::{json, table};
 pub use settings::{parameters, settings};
-pub use walk::{Difference, walk};
+pub use signal::walk_signal;
+pub use walk::walk;
 
 use crate::arithmetics::{self, Task, adapted};
 use crate::pipeline::{Drive, segment_in};

@@ -27,6 +27,18 @@ pub fn mirrored(image: &Plane, centre: Place, from: Place) -> Option<f64> {
     light(image, opposite(centre, from))
 }
 
+/// The median of the light at the seven other places as far from a centre, 45 degrees apart.
+pub fn around(image: &Plane, centre: Place, from: Place) -> f64 {
+    let (x, y) = (from.0 - centre.0, from.1 - centre.1);
+    let turned = (1..8).map(|eighth| {
+        let (sin, cos) = (f64::from(eighth) * std::f64::consts::FRAC_PI_4).sin_cos();
+        light(image, (centre.0 + x * cos - y * sin, centre.1 + x * sin + y * cos)).unwrap_or(0.0)
+    });
+    let mut turned: Vec<f64> = turned.collect();
+    turned.sort_by(f64::total_cmp);
+    turned[3]
+}
+
 /// The pixel nearest to a place in the frame.
 pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
     light(image, place)?;

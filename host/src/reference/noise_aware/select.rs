@@ -39,6 +39,9 @@ fn sums(signal: &Plane, matched: &Plane, regions: &Regions) -> Vec<Sums> {
 /// Whether each region is a source at a cut.
 fn sources(sums: &[Sums], regions: &Regions, least: f64, settings: &Settings, judge: &Judge) -> Vec<bool> {
     let is_source = |(sum, region): (&Sums, &super::Region)| {
+        if !settings.by_significance {
+            return sum.area >= settings.min_area.max(1);
+        }
         let part = settings.min_area + 2 * settings.min_area / 3;
         let area = if region.divided.is_some() { part } else { settings.min_area };
         sum.area >= area && !judge.exceeds(least, sum.peak) && !judge.exceeds(settings.light, sum.light)
@@ -75,6 +78,10 @@ pub fn cut(
     let roughness = if tail.noise > 0.0 { slope / tail.noise } else { 0.0 };
     let elements = values.len() as f64 * roughness * roughness;
     let sums = sums(signal, matched, regions);
+    // Of a significance that is not asked for.
+    if !settings.by_significance {
+        return Cut { significance: 0.0, least: 0.0 };
+    }
     let (mut allowed, mut cut) = (settings.false_sources, Cut { significance: 0.0, least: 0.0 });
     for _ in 0..4 {
         let significance = tail.raised(height(elements, allowed));

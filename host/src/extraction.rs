@@ -11,7 +11,7 @@ use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::part::Whole;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
-use skyfront_core::run::outcome::{self, Outcome};
+use skyfront_core::run::outcome::{Outcome, Progress::Working};
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
@@ -30,16 +30,16 @@ pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static
     ]
 }
 
-/// The signal-to-noise that pictures show.
+/// The signal-to-noise that the histogram shows.
 pub mod shown {
-    /// Black.
+    /// Its first bin begins here.
     pub const LEAST: f32 = -5.0;
-    /// White.
+    /// Its last one ends here.
     pub const GREATEST: f32 = 20.0;
 
-    /// A signal-to-noise on the scale from black, 0, to white, 1.
+    /// A signal-to-noise on the scale from the one, 0, to the other, 1.
     pub fn unit(value: &f32) -> f32 {
-        ((value - LEAST) / (GREATEST - LEAST)).clamp(0.0, 1.0)
+        (value - LEAST) / (GREATEST - LEAST)
     }
 }
 
@@ -83,11 +83,11 @@ pub fn segment<A: Arithmetic, L: Level>(
         match run.progress() {
             Progress::Done(found) => break found,
             Progress::Next(stage) => {
+                if let Some(watch) = &mut drive.watch {
+                    watch(&Working { stage, pass: 0, row: 0, last_change: 0.0 });
+                }
                 run.poll()?;
                 seconds.push((stage, started.elapsed()));
-                if let Some(watch) = &mut drive.watch {
-                    watch(&outcome::Progress::Working { stage, pass: 0, row: 0, last_change: 0.0 });
-                }
             }
             Progress::Front => {
                 let evolved = move_front::<A, L>(config, &run, width, drive)?;

@@ -8,14 +8,14 @@
 use super::CheckError;
 use super::notes::{Difference, Notes};
 use super::rounding::bit;
-use super::settings::parameters;
+use super::settings::{parameters, settings};
 use super::walk::walk;
-use crate::pipeline::{Drive, segment_in};
+use crate::pipeline::{Drive, Segmentation, segment_in};
 use crate::planes::SignalRoom;
-use crate::reference::Plane;
 use crate::reference::noise_aware::{self as reference, Facts, Judge, Mesh, Regions, Settings, Sky, Slack, Tail};
+use crate::reference::{Plane, ReferenceError, is_beyond_reach};
 use skyfront_core::arithmetic::{Arithmetic, Level, Real};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Scheme};
 use skyfront_core::front::outline::Front;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::stage::Stage;
@@ -51,7 +51,13 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
             }
             Progress::Front => {
                 let image: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
-                walk.notes.found.extend(self::walk::<A>(config, &parameters(config), &image, (width, height), &mut |_, _| {})?);
+                walk.notes.found.extend(self::walk::<A>(
+                    config,
+                    &parameters(config),
+                    &image,
+                    (width, height),
+                    &mut |_, _| {},
+                )?);
                 let front = segment_in::<A>(config, &image, width, height, &mut Drive::default())?.front;
                 run.outline(|at| front[at] > 0.0);
                 let after = Left::of(run.work(), config, width);
@@ -60,6 +66,40 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
             }
         }
     }
+}
+
+/// The whole run of the reference.
+///
+/// # Errors
+/// What it finds wrong.
+pub fn whole_run(config: &Config, pixels: &[f32], width: usize) -> Result<reference::Found, ReferenceError> {
+    let (asked, parameters) = (settings(config), parameters(config));
+    let pixels: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
+    reference::run(&asked, &pixels, width, |image, fine| {
+        if config.scheme == Scheme::Region {
+            return Ok(reference::region_front(&asked, image, fine));
+        }
+        let (width, height) = (image.width(), image.height());
+        let stages = crate::reference::run(&parameters, image.values(), width, height)?;
+        let u = Plane::from_fn(width, height, |i, j| {
+            let far = is_beyond_reach(&parameters, j as usize * width + i as usize, width, height);
+            if far { stages.u.at(i, j).min(0.0) } else { stages.u.at(i, j) }
+        });
+        Ok(reference::Moved { u, steps: stages.steps, t: stages.t })
+    })
+}
+
+/// The centroids of a run beside those of its own labels.
+pub fn centroids(pixels: &[f32], core: &Segmentation) -> Difference {
+    let pixels: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
+    let floor = core.outcome.extremes.least.into();
+    let truth = crate::reference::centroids(&core.labels, core.outcome.sources, &pixels, core.width, floor);
+    let shifts = core.sources.iter().zip(truth).map(|(source, (x, y))| {
+        let (core_x, core_y) = source.centroid();
+        (f64::from(core_x) - x).hypot(f64::from(core_y) - y)
+    });
+    let max = shifts.fold(0.0, f64::max);
+    Difference { step: "centroids", max, beyond: max }
 }
 
 /// What a step left.
@@ -245,9 +285,8 @@ impl Walk {
     /// cells, and of the noise.
     fn signal_off(&self, raw: &Plane, mesh: &Mesh) -> Plane {
         let cells = || mesh.cells.iter().flatten();
-        let range = |of: fn(&Sky) -> f64| {
-            cells().map(of).fold(f64::MIN, f64::max) - cells().map(of).fold(f64::MAX, f64::min)
-        };
+        let range =
+            |of: fn(&Sky) -> f64| cells().map(of).fold(f64::MIN, f64::max) - cells().map(of).fold(f64::MAX, f64::min);
         let (levels, noises) = (range(|sky| sky.level), range(|sky| sky.noise));
         Plane::from_fn(raw.width(), raw.height(), |i, j| {
             let (sky, signal) = (mesh.at(i as usize, j as usize), raw.at(i, j).abs());
@@ -330,9 +369,8 @@ impl Walk {
             reference::Smoothing::ByNeed => &before.smooth,
         };
         let cells = |plane: &Plane| plane.values().iter().map(|&v| L::of(v as f32)).collect::<Vec<L>>();
-        let plane = |cells: &[L]| {
-            Plane::from_fn(width, height, |i, j| cells[j as usize * width + i as usize].to_f32().into())
-        };
+        let plane =
+            |cells: &[L]| Plane::from_fn(width, height, |i, j| cells[j as usize * width + i as usize].to_f32().into());
         let (signal, mut u, mut rows) = (cells(&before.fine), cells(image), vec![L::ZERO; 2 * width]);
         front.start(&mut u);
         let off = image.map(|v| self.grain + bit(23) * (v.abs() + 1.0));
@@ -363,9 +401,8 @@ impl Walk {
         Plane::from_fn(u.width(), u.height(), |i, j| {
             let v = u.around(i, j);
             let force = reference::force(fine.at(i, j), self.asked.threshold);
-            let bends = (v.e + v.w - 2.0 * v.c).abs()
-                + (v.n + v.s - 2.0 * v.c).abs()
-                + 0.5 * (v.ne + v.sw - v.nw - v.se).abs();
+            let bends =
+                (v.e + v.w - 2.0 * v.c).abs() + (v.n + v.s - 2.0 * v.c).abs() + 0.5 * (v.ne + v.sw - v.nw - v.se).abs();
             let way = 1.05e-3 * force.abs() * reference::steepness(&v, force);
             let rounded = self.grain * (6.0 + 8.0 * bends) + bit(20) * (1.0 + bends);
             reference::STEP * (way + self.grain * force.abs() + self.asked.curvature * rounded) + self.grain + bit(22)
@@ -376,7 +413,7 @@ impl Walk {
         let (width, height) = (self.width, after.front.height());
         let p = parameters(&self.config);
         let wrong = (0..front.len()).filter(|&at| {
-            let far = crate::reference::is_beyond_reach(&p, at, width, height);
+            let far = is_beyond_reach(&p, at, width, height);
             (front[at] > 0.0 && !far) != (after.front.values()[at] > 0.0)
         });
         self.notes.count("outline", wrong.count());

@@ -1,8 +1,8 @@
 //! The tree of level sets (`default.md`, 5).
 
+use super::super::segments::label;
 use super::light::{mirrored, place, vertex};
 use super::photon::grown;
-use super::super::segments::label;
 use super::{Connectivity, Judge, Plane, Settings, neighbours};
 
 /// What may become a source.

@@ -13,11 +13,11 @@ pub struct SkyMaps {
 }
 
 impl SkyMaps {
-    /// The maps of a measured mesh, in planes that are there already.
-    pub fn of(mesh: &Mesh<'_>, width: usize, planes: [Vec<f32>; 2]) -> SkyMaps {
+    /// The maps of a measured mesh, in planes that are there already, from a column and row of the mesh's frame on.
+    pub fn of(mesh: &Mesh<'_>, width: usize, (left, bottom): (usize, usize), planes: [Vec<f32>; 2]) -> SkyMaps {
         let [mut level, mut noise] = planes;
         for (at, (level, noise)) in level.iter_mut().zip(&mut noise).enumerate() {
-            let sky = mesh.at(at % width, at / width);
+            let sky = mesh.at(left + at % width, bottom + at / width);
             (*level, *noise) = (sky.level, sky.noise);
         }
         SkyMaps { level, noise }
@@ -38,7 +38,7 @@ impl SkyMaps {
         };
         let mut mesh = Mesh::blank(&mut cells, size, CELL);
         mesh.measure(pixels, seen, &values, keys);
-        SkyMaps::of(&mesh, width, [(); 2].map(|()| vec![0.0; pixels.len()]))
+        SkyMaps::of(&mesh, width, (0, 0), [(); 2].map(|()| vec![0.0; pixels.len()]))
     }
 
     /// The same where `labels` are 0.

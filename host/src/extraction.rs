@@ -8,6 +8,7 @@ use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
+use skyfront_core::plane::part::Whole;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::outcome::Outcome;
 use skyfront_core::run::workspace::{Workspace, regions};
@@ -55,7 +56,9 @@ pub fn segment<A: Arithmetic, L: Level>(
     let height = count / width.max(1);
     let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
     let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
-    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())];
+    let (image, origin) =
+        drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
+    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(image.0, image.1, config.sky.cell())];
     let mut table = vec![Region::<L>::BLANK; regions(width, height)];
     let work = Workspace {
         signal: &mut signal,
@@ -70,7 +73,8 @@ pub fn segment<A: Arithmetic, L: Level>(
         mesh: &mut mesh,
         regions: &mut table,
     };
-    let known = Known { background: drive.background, noise: drive.noise, relative: drive.relative };
+    let known =
+        Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
     let mut run = Extractor::new(config, pixels, width, known, work)?;
     let (mut seconds, mut moved) = (Vec::new(), None);
     let found = loop {
@@ -92,7 +96,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     let [smooth, front, masked] = [smooth, front, masked].map(in_f32);
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
     let mut sky =
-        SkyMaps::of(&Mesh::over(&mut mesh, (width, height), config.sky.cell()), width, [fine, scratch].map(in_f32));
+        SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, scratch].map(in_f32));
     // Nothing is measured in what was never observed.
     sky.noise
         .iter_mut()
@@ -145,7 +149,7 @@ pub fn segment<A: Arithmetic, L: Level>(
         outcome: without_front(extremes),
         sky: Some(sky),
         seconds,
-        remarks: remarks::on(&found, count),
+        remarks: remarks::on(&found, image.0 * image.1),
     };
     Ok(with_front(run, &found, moved))
 }

@@ -19,6 +19,7 @@ pub mod input;
 #[allow(unsafe_code, reason = "calls of functions compiled for AVX2, where the processor has it")]
 pub mod machine;
 pub mod measure;
+pub mod mosaic;
 pub mod nothing;
 pub mod outline;
 pub mod outputs;

@@ -9,6 +9,7 @@ use crate::planes::Room;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Real};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::plane::part::Whole;
 use skyfront_core::run::frame::SliceFrame;
 use skyfront_core::run::outcome::{Outcome, Progress};
 use skyfront_core::run::segmenter::Segmenter;
@@ -84,6 +85,8 @@ pub struct Drive<'a> {
     pub noise: Option<&'a [f32]>,
     /// Whether that noise only says which pixels are noisier than others.
     pub relative: bool,
+    /// The image that this one is a part of, for the noise-aware segmentation.
+    pub whole: Option<&'a dyn Whole>,
     /// Where the front starts, for [`skyfront_core::config::Start::Given`].
     pub start: Option<&'a StartMap>,
     /// Rows a poll.
@@ -105,6 +108,7 @@ impl Default for Drive<'_> {
             background: None,
             noise: None,
             relative: false,
+            whole: None,
             start: None,
             slice: usize::MAX,
             keep_stages: false,

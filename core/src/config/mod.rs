@@ -91,6 +91,8 @@ pub enum Filter {
         /// The gradient at which diffusion falls off, in image units (0 to 1) per `dx`.
         mu: f32,
     },
+    /// The median of 3 x 3 pixels ([`crate::image::median`]).
+    Median,
     /// Signal-to-noise smoothed by a Gaussian of 0.8 pixels ([`crate::sky`]).
     Gauss,
     /// The same, and more where nothing significant is lost by it.
@@ -104,6 +106,7 @@ impl Filter {
         match self {
             Filter::None | Filter::Gauss | Filter::Adaptive => "none",
             Filter::Heat => "heat",
+            Filter::Median => "median",
             Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
             Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
         }

@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Diffusivity, Filter};
+use crate::image::median::Median;
 use crate::plane::sweep::{Cross, Kernel, cross};
 
 /// One step of whichever filter a configuration has in steps.
@@ -13,6 +14,8 @@ pub enum AnyFilter<A: Arithmetic> {
     Heat(Heat<A>),
     /// Perona-Malik.
     PeronaMalik(PeronaMalik<A>),
+    /// The median.
+    Median(Median),
 }
 
 impl<A: Arithmetic> AnyFilter<A> {
@@ -25,6 +28,7 @@ impl<A: Arithmetic> AnyFilter<A> {
             Filter::PeronaMalik { diffusivity, mu } => {
                 AnyFilter::PeronaMalik(PeronaMalik::new(config, diffusivity, mu))
             }
+            Filter::Median => AnyFilter::Median(Median),
         }
     }
 }
@@ -36,6 +40,7 @@ impl<A: Arithmetic> Kernel<A, 3> for AnyFilter<A> {
             AnyFilter::None => {}
             AnyFilter::Heat(filter) => filter.row(old, aux, new),
             AnyFilter::PeronaMalik(filter) => filter.row(old, aux, new),
+            AnyFilter::Median(filter) => Kernel::<A, 3>::row(filter, old, aux, new),
         }
     }
 }

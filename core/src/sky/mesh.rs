@@ -3,6 +3,7 @@
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
 use crate::plane::grid::Grid;
+use crate::plane::part::{CELL_WORDS, Question, Whole};
 use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
 
@@ -106,18 +107,71 @@ impl<'m> Mesh<'m> {
         values: &Values,
         mut keys: Keys<'_>,
     ) -> Survey {
+        let (size, grid) = (self.size, self.grid);
+        let count = |index: usize| Count::of(cell_of(size, grid, index).map(&seen));
+        let sky = |index: usize| {
+            let sky = cell_of(size, grid, index).filter(|&at| seen(at) == Seen::Sky);
+            // Adding 0 gives both zeros one key.
+            clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values)
+        };
+        self.settle(count, sky)
+    }
+
+    /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
+    /// together; `seen` goes by the part's indices. `None` while others have yet to answer.
+    pub(crate) fn asked(
+        &mut self,
+        (whole, round): (&dyn Whole, u32),
+        (pixels, width): (&[f32], usize),
+        seen: impl Fn(usize) -> Seen,
+        values: &Values,
+        mut keys: Keys<'_>,
+    ) -> Option<Survey> {
+        let (part, size, grid) = (whole.part(), self.size, self.grid);
+        let local = |at: usize| {
+            let (x, y) = ((at % size.0).checked_sub(part.origin.0)?, (at / size.0).checked_sub(part.origin.1)?);
+            (x < width).then_some(y * width + x)
+        };
+        let places = |index: usize| cell_of(size, grid, index).filter_map(local);
+        let is_own = |index: &usize| {
+            let middle = middle_of(size, grid, *index);
+            let (x, y) = (middle.0.checked_sub(part.origin.0), middle.1.checked_sub(part.origin.1));
+            x.zip(y).is_some_and(|place| part.owns(place))
+        };
+        let words = |index: usize| {
+            let Count { all, defined, sky } = Count::of(places(index).map(&seen));
+            let values_of_sky = places(index).filter(|&at| seen(at) == Seen::Sky);
+            let Sky { level, noise } =
+                clipped(keys.sorted(values_of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values);
+            [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
+        };
+        let answer = whole.words(Question::Cells(round), &mut (0..grid.cells()).filter(is_own).flat_map(words))?;
+        let cell = |index: usize| answer.get(index * CELL_WORDS..).and_then(|words| words.first_chunk::<CELL_WORDS>());
+        let count = |index: usize| {
+            let [_, all, defined, sky, ..] = cell(index).map_or([0; CELL_WORDS], |cell| *cell);
+            Count { all: all as usize, defined: defined as usize, sky: sky as usize }
+        };
+        let sky = |index: usize| {
+            cell(index).map_or(Sky::UNKNOWN, |&[.., level, noise]| Sky {
+                level: f32::from_bits(level),
+                noise: f32::from_bits(noise),
+            })
+        };
+        Some(self.settle(count, sky))
+    }
+
+    /// Settles what every cell has, of its counts and of its sky, which is asked for where that is enough.
+    fn settle(&mut self, count: impl Fn(usize) -> Count, mut sky: impl FnMut(usize) -> Sky) -> Survey {
         let mut survey = Survey::default();
         for index in 0..self.cells.len() {
-            let count = Count::of(self.pixels(index).map(&seen));
+            let count = count(index);
             survey.cells += u32::from(count.defined > 0);
             survey.measured += u32::from(count.is_enough());
         }
         let crowded = survey.is_crowded();
         for index in 0..self.cells.len() {
-            let sky = self.pixels(index).filter(|&at| seen(at) == Seen::Sky);
-            let measured = if Count::of(self.pixels(index).map(&seen)).is_enough() {
-                // Adding 0 gives both zeros one key.
-                clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values)
+            let measured = if count(index).is_enough() {
+                sky(index)
             } else if crowded {
                 Self::cell(self.cells, index)
             } else {
@@ -130,15 +184,6 @@ impl<'m> Mesh<'m> {
         self.fill();
         self.smooth();
         survey
-    }
-
-    /// The pixels of a cell, row by row.
-    fn pixels(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
-        let ((width, height), (column, row)) = (self.size, self.grid.place(index));
-        let (columns, rows) = (self.grid.width, NonZero::new(self.grid.height).unwrap_or(NonZero::<usize>::MIN));
-        let (left, right) = (column * width / columns, (column + 1) * width / columns);
-        let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
-        (bottom..top).flat_map(move |y| y * width + left..y * width + right)
     }
 
     fn cell(cells: &[Sky], index: usize) -> Sky {
@@ -200,6 +245,25 @@ impl<'m> Mesh<'m> {
         };
         Sky { level: blend(|sky| sky.level, |place| place.part), noise: blend(|sky| sky.noise, Between::inside) }
     }
+}
+
+/// First and last column, first and last row of a cell, the last not included.
+fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4] {
+    let (column, row) = grid.place(index);
+    let (columns, rows) = (grid.width, NonZero::new(grid.height).unwrap_or(NonZero::<usize>::MIN));
+    [column * width / columns, (column + 1) * width / columns, row * height / rows, (row + 1) * height / rows]
+}
+
+/// The pixels of a cell, row by row.
+fn cell_of(size: (usize, usize), grid: Grid, index: usize) -> impl Iterator<Item = usize> + use<> {
+    let [left, right, bottom, top] = sides(size, grid, index);
+    (bottom..top).flat_map(move |y| y * size.0 + left..y * size.0 + right)
+}
+
+/// Column and row in the middle of a cell: the part that has it measures the cell.
+fn middle_of(size: (usize, usize), grid: Grid, index: usize) -> (usize, usize) {
+    let [left, right, bottom, top] = sides(size, grid, index);
+    (usize::midpoint(left, right), usize::midpoint(bottom, top))
 }
 
 /// What the pixels of a cell are.

@@ -1,6 +1,7 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::part::{self, Question, Whole};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
 use crate::sky::spike::cleaned;
@@ -36,8 +37,8 @@ pub struct Planes<'m, L: Level> {
 
 /// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined pixel has the mean of the two
 /// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
-/// to divide by.
-pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>) -> Option<Survey> {
+/// to divide by. `round` counts how often it has been measured.
+pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Planes<'_, L>) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
@@ -47,15 +48,24 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>)
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
     };
-    let mut mesh = Mesh::over(work.mesh, (width, grid.height), cell);
-    let survey = mesh.measure(pixels, seen, &values, keys.again());
-    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    let survey = match known.whole {
+        None => mesh.measure(pixels, seen, &values, keys.again()),
+        // Nothing can be done before it is known.
+        Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
+            Some(survey) => survey,
+            None => return Some(Survey::default()),
+        },
+    };
+    let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
+    let sky_at = |at: usize| mesh.at(left + at % grid.width, bottom + at / grid.width);
     let mut factor = 1.0;
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(ratio, pixels.len(), keys);
+        factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
     }
-    let mut noise_seen = false;
+    // A part may have no pixel, where the image has.
+    let mut noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
     for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
         let sky = sky_at(at);
         let level = Known::value(known.background, at).unwrap_or(sky.level);
@@ -76,6 +86,13 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>)
     noise_seen.then_some(survey)
 }
 
+/// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
+pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn Whole, work: &mut Planes<'_, L>) {
+    let pixels = (view.pixels, view.grid.width.get());
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, work.keys.again());
+}
+
 /// Gives undefined pixels between two defined ones their mean.
 fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
     let half = L::Weight::of(0.5);
@@ -89,22 +106,32 @@ fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
 }
 
 /// The median of the positive values of a sample; 1 where there are none.
-fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
-    let positive = |value: &f32| value.is_finite() && *value > 0.0;
-    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
-    if sorted.is_empty() { 1.0 } else { median(sorted) }
+fn typical(
+    whole: Option<(&dyn Whole, Question)>,
+    value: impl Fn(usize) -> f32,
+    count: usize,
+    width: usize,
+    mut keys: Keys<'_>,
+) -> f32 {
+    let positive = |at: usize| Some(value(at)).filter(|value| value.is_finite() && *value > 0.0);
+    match part::sorted(whole, (count, width, true), &mut keys, positive) {
+        Some(sorted) if !sorted.is_empty() => median(sorted),
+        _ => 1.0,
+    }
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>) -> Tail<L> {
-    let (grid, piled) = (view.grid, view.values.piled);
+pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>) -> Tail<L> {
+    let grid = view.grid;
     Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
-    let tail = Tail::measure(|at| value(fine, at), work.masked, piled, work.keys.again());
+    let questions = [Question::Fine(round), Question::FinePowers(round)];
+    let tail = view.tail(questions, |at| value(fine, at), work.masked, work.keys.again());
     Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let details = Tail::measure(detail, work.masked, piled, work.keys.again());
+    let questions = [Question::Details(round), Question::DetailPowers(round)];
+    let details = view.tail(questions, detail, work.masked, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
         if (fine - *smooth).magnitude() >= least {

@@ -4,6 +4,7 @@ use crate::arithmetic::Level;
 use crate::config::{Config, Connectivity, Deblending};
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
+use crate::plane::part::Whole;
 use crate::plane::smooth::Weights;
 use crate::plane::sort;
 use crate::sources::centre::centre_on_light;
@@ -91,8 +92,10 @@ pub fn tree<L: Level>(
 }
 
 /// Gives regions their centres, makes light that no host explains regions of their own, lets
-/// neighbours compete for the pixels between them, and leaves each label one connected piece.
+/// neighbours compete for the pixels between them, and leaves each label one connected piece. Ends where other
+/// parts of the image have yet to answer.
 pub fn deblend<L: Level>(
+    whole: Option<&dyn Whole>,
     grid: Grid,
     config: &Config,
     noise: Noise<L>,
@@ -102,7 +105,10 @@ pub fn deblend<L: Level>(
     let (field, light) = (Field { values: work.fine, grid }, Field { values: work.smooth, grid });
     centre_on_light([field, light], work.labels, work.regions, noise);
     let regions = work.regions.get(..count.regions).unwrap_or(&[]);
-    let typical = Typical::of(field, noise.least, regions, (work.parents, work.order));
+    let typical = Typical::of(whole, field, noise.least, regions, (work.parents, work.order));
+    if whole.is_some_and(Whole::is_waiting) {
+        return count;
+    }
     let Config { deblending, connectivity, .. } = *config;
     let Deblending { excess, reopened_area, .. } = deblending;
     let reopening = Reopening { field, typical, noise, excess, least_area: reopened_area, connectivity };

@@ -1,10 +1,11 @@
 //! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
 
+use super::memory::image_within;
 use super::say::{Stderr, Stdout};
 use super::{Options, Usage};
 use crate::crosscheck::{Tolerances, crosscheck, json, table, unheard_of};
 use crate::provenance::scheme_name;
-use crate::read::{self, HduChoice, Image};
+use crate::read::{HduChoice, Image};
 use crate::vectors::{self, INPUT, MANIFEST, Trace};
 use crate::write::Products;
 use anyhow::{Context, Result, bail};
@@ -12,6 +13,9 @@ use clap::{Args, Parser};
 use serde_json::{Value as Json, json};
 use skyfront_core::config::{Config, Scheme, Value};
 use std::path::{Path, PathBuf};
+
+/// Bytes per pixel that a comparison takes at most: the planes of both sides in each of their steps.
+const BYTES: u64 = 300;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -95,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             if let Some(what) = unheard_of(&arguments.options.config()?) {
                 bail!(Usage(what));
             }
-            let image = read::image(path, arguments.hdu.as_ref())?;
+            let image = image_within(BYTES, path, arguments.hdu.as_ref())?;
             let configs: Vec<Config> = configs(&arguments.options)?
                 .into_iter()
                 .map(|config| arguments.options.for_frame(config, image.width, image.height))

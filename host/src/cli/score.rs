@@ -1,11 +1,15 @@
 //! `skyfront score`: how well a label map agrees with the truth.
 
+use super::memory::image_within;
 use super::say::Stdout;
-use crate::read::{self, HduChoice, Image};
+use crate::read::{self, HduChoice, Image, ReadError};
 use crate::score::score;
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use clap::Args;
 use std::path::{Path, PathBuf};
+
+/// Bytes per pixel that a score takes at most, where every pixel is an object of its own.
+const BYTES: u64 = 240;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -23,26 +27,21 @@ pub struct Arguments {
 
 /// Prints the measures as JSON.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let truth = read::image(&arguments.truth, arguments.ext.as_ref())?;
-    let map = read::image(&arguments.map, None)?;
-    let image = read::image(&arguments.image, None)?;
-    same_size(&truth, &map, &arguments.map)?;
-    same_size(&truth, &image, &arguments.image)?;
+    let truth = image_within(BYTES, &arguments.truth, arguments.ext.as_ref())?;
+    let map = of_same_size(&truth, &arguments.map)?;
+    let image = of_same_size(&truth, &arguments.image)?;
     let result = score(&labels(&truth), &labels(&map), &image.pixels);
     writeln!(Stdout, "{:#}", result.json())?;
     Ok(())
 }
 
-fn same_size(truth: &Image, other: &Image, path: &Path) -> Result<()> {
-    let (width, height) = (truth.width, truth.height);
-    ensure!(
-        (other.width, other.height) == (width, height),
-        "{} has {} x {} pixels, the truth {width} x {height}",
-        path.display(),
-        other.width,
-        other.height
-    );
-    Ok(())
+/// Reads an image, if it has the size of the truth.
+fn of_same_size(truth: &Image, path: &Path) -> Result<Image, ReadError> {
+    let (truth_width, truth_height) = (truth.width as u64, truth.height as u64);
+    read::image_if(path, None, &mut |width, height| match (width, height) == (truth_width, truth_height) {
+        true => Ok(()),
+        false => Err(format!("has {width} x {height} pixels, the truth {truth_width} x {truth_height}")),
+    })
 }
 
 /// Labels are whole numbers, exact in `f32` up to 2^24.

@@ -80,9 +80,9 @@ pub fn settings(config: &c::Config) -> Settings {
     Settings {
         cell: config.sky.cell(),
         smoothing: match config.filter {
-            c::Filter::None | c::Filter::Heat | c::Filter::PeronaMalik { .. } => Smoothing::None,
             c::Filter::Gauss => Smoothing::Fine,
             c::Filter::Adaptive => Smoothing::ByNeed,
+            _ => Smoothing::None,
         },
         threshold: decimal(outline.threshold),
         steps: outline.steps,
@@ -124,6 +124,7 @@ fn filter(config: &c::Config) -> r::Filter {
     match config.filter {
         c::Filter::None | c::Filter::Gauss | c::Filter::Adaptive => r::Filter::None,
         c::Filter::Heat => r::Filter::Heat { steps, dt },
+        c::Filter::Median => r::Filter::Median { steps },
         c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
             f: match diffusivity {
                 c::Diffusivity::F1 => r::Diffusivity::F1,

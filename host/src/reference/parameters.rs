@@ -93,6 +93,11 @@ pub enum Filter {
         /// Time step.
         dt: f64,
     },
+    /// The median of 3 x 3 pixels.
+    Median {
+        /// Iterations.
+        steps: u32,
+    },
 }
 
 impl Filter {
@@ -100,7 +105,7 @@ impl Filter {
     pub fn steps(self) -> u32 {
         match self {
             Filter::None => 0,
-            Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } => steps,
+            Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } | Filter::Median { steps } => steps,
         }
     }
 }

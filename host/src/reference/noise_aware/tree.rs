@@ -1,7 +1,7 @@
 //! The tree of level sets (`default.md`, 5).
 
 use super::super::segments::label;
-use super::light::{mirrored, place, vertex};
+use super::light::{around, mirrored, nearest, opposite, place, vertex};
 use super::photon::grown;
 use super::{Connectivity, Judge, Plane, Settings, neighbours};
 
@@ -89,7 +89,7 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
             let value = values[at];
             taken[at] = Some(table.len());
             hosts.push(table.len());
-            let centre = vertex(image, at);
+            let centre = vertex(image, at, judge);
             table.push(Region { peak: at, value, area: 1, sum: value, centre, plateau: false, divided: None });
             continue;
         };
@@ -99,7 +99,8 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
         let host = meeting[0];
         for &other in &meeting[1..] {
             let faint = table[other].clone();
-            if stands_apart(image, [&table[host], &faint], values[at], photon, settings, judge) {
+            let is_foreign = |near: usize| taken[near].is_some() && host_of(&hosts, near) != host;
+            if stands_apart((image, &is_foreign), [&table[host], &faint], values[at], photon, settings, judge) {
                 let peak = table[host].peak;
                 table[other].divide(image, peak);
                 table[host].divide(image, faint.peak);
@@ -128,9 +129,10 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
     Regions { labels: (0..values.len()).map(|at| label(at).unwrap_or(0)).collect(), table }
 }
 
-/// Whether the fainter of two regions that meet stays a source of its own.
+/// Whether the fainter of two regions that meet stays a source of its own; `is_foreign` tells the pixels of
+/// any region but the brighter.
 fn stands_apart(
-    image: &Plane,
+    (image, is_foreign): (&Plane, &dyn Fn(usize) -> bool),
     [bright, faint]: [&Region; 2],
     saddle: f64,
     photon: f64,
@@ -139,7 +141,11 @@ fn stands_apart(
 ) -> bool {
     let (above, noise, width) = (faint.sum - saddle * faint.area as f64, grown(photon, saddle), image.width());
     let is_own = |at: &usize| {
-        let host = mirrored(image, bright.centre, place(*at, width)).unwrap_or(0.0);
+        let place = place(*at, width);
+        let mut host = mirrored(image, bright.centre, place).unwrap_or(0.0);
+        if nearest(image, opposite(bright.centre, place)).is_some_and(is_foreign) {
+            host = host.min(around(image, bright.centre, place));
+        }
         judge.exceeds(image.values()[*at], 2.0 * host)
     };
     faint.area >= 3

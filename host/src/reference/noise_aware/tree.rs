@@ -89,7 +89,7 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
             let value = values[at];
             taken[at] = Some(table.len());
             hosts.push(table.len());
-            let centre = vertex(image, at);
+            let centre = vertex(image, at, judge);
             table.push(Region { peak: at, value, area: 1, sum: value, centre, plateau: false, divided: None });
             continue;
         };

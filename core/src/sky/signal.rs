@@ -1,9 +1,10 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
-use crate::sky::spike::cleaned;
+use crate::sky::spike::clean;
 use crate::sky::tail::Tail;
 use crate::sky::view::{Known, View};
 use crate::sky::{Mesh, Seen, Sky, Survey};
@@ -56,28 +57,59 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>)
         factor = typical(ratio, pixels.len(), keys);
     }
     let mut noise_seen = false;
-    for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
-        let sky = sky_at(at);
-        let level = Known::value(known.background, at).unwrap_or(sky.level);
-        let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
-        let signal = (pixel - level) / noise;
-        let usable = view.is_defined(at) && noise > 0.0 && signal.is_finite();
-        noise_seen |= usable;
-        *out = if usable { L::of(signal) } else { L::ZERO };
+    for (y, out) in work.scratch.chunks_exact_mut(width).enumerate() {
+        noise_seen |= signal_row(view, y, &mesh, factor, out);
     }
     bridge(view, work.scratch);
-    let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
+    let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(work.scratch, width, y));
     for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
         let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
-        for (x, out) in out.iter_mut().enumerate() {
-            *out = cleaned(rows, x);
-        }
+        clean(rows, out);
     }
     noise_seen.then_some(survey)
 }
 
+/// Pixels of a row whose sky is looked up together.
+const PIECE: usize = 64;
+
+/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. Noise that is given
+/// counts `factor` times.
+fn signal_row<L: Level>(view: &View<'_>, y: usize, mesh: &Mesh<'_>, factor: f32, out: &mut [L]) -> bool {
+    let &View { pixels, grid, values, .. } = view;
+    let (width, mut noise_seen) = (grid.width.get(), false);
+    let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
+    for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
+        let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
+        let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
+        let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
+        mesh.along(x, y, level, noise);
+        if let Some(map) = view.known.background {
+            level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
+        }
+        if let Some(map) = view.known.noise {
+            let noise = noise.iter_mut().zip(from(map, width, x, y));
+            noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
+        }
+        for (((out, &pixel), &level), &noise) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise) {
+            let signal = (pixel - level) / noise;
+            let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
+            noise_seen |= usable;
+            *out = L::of(if usable { signal } else { 0.0 });
+        }
+    }
+    noise_seen
+}
+
+/// Row `y` of a map from column `x` on.
+fn from(map: &[f32], width: usize, x: usize, y: usize) -> &[f32] {
+    row_of(map, width, y).get(x..).unwrap_or(&[])
+}
+
 /// Gives undefined pixels between two defined ones their mean.
 fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
+    if view.is_whole() {
+        return;
+    }
     let half = L::Weight::of(0.5);
     for at in (0..signal.len()).filter(|&at| !view.is_defined(at)) {
         let Some(pair) = view.between(at) else { continue };
@@ -150,6 +182,9 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
 
 /// Masks the pixels without a signal: they would count as quiet sky.
 pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
+    if view.is_whole() {
+        return;
+    }
     for (_, mask) in masked.iter_mut().enumerate().filter(|(at, _)| !view.has_signal(*at)) {
         *mask = L::ONE;
     }

@@ -54,6 +54,11 @@ impl<'a> View<'a> {
         self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
     }
 
+    /// Whether every pixel is defined.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.values.defined as usize == self.pixels.len()
+    }
+
     /// The two defined pixels of its row, or else of its column, between which an undefined one lies.
     pub(crate) fn between(&self, at: usize) -> Option<[usize; 2]> {
         let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(at));

@@ -1,6 +1,7 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::grid::Grid;
 use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
@@ -139,9 +140,7 @@ pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>) -> Tail<L> {
     let details = Tail::measure(detail, work.masked, piled, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
-        if (fine - *smooth).magnitude() >= least {
-            *smooth = fine;
-        }
+        *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
     }
     tail
 }
@@ -150,7 +149,7 @@ pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>) -> Tail<L> {
 /// two pixels of them, and what has no signal.
 pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>) {
     let grid = view.grid;
-    let (source, perhaps) = (L::ONE, L::of(0.5));
+    let (source, perhaps) = (L::ONE, perhaps());
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
         *fine = match (smooth > outline, *fine > peak) {
             (true, true) => source,
@@ -160,13 +159,18 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
     }
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
     let marks = &mut *work.fine;
-    for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
-        let marked = |at: usize| marks.get(at).is_some_and(|&mark| mark == source);
-        if marks.get(index).is_some_and(|&mark| mark == perhaps)
-            && grid.neighbours(index).any(marked)
-            && let Some(mark) = marks.get_mut(index)
-        {
-            *mark = source;
+    for backwards in [false, true, false] {
+        let pieces = marks.len().div_ceil(MARKS);
+        for piece in 0..pieces {
+            let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
+            let end = marks.len().min(first + MARKS);
+            let is_open = |marks: &[L]| marks.iter().fold(false, |any, &mark| any | (mark == perhaps));
+            if marks.get(first..end).is_some_and(is_open) {
+                for index in first..end {
+                    let index = if backwards { end - 1 - (index - first) } else { index };
+                    mark_beside(marks, index, grid);
+                }
+            }
         }
     }
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
@@ -178,6 +182,25 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
         *cell = if *cell > near { L::ONE } else { L::ZERO };
     }
     mask_undefined(view, work.masked);
+}
+
+/// Marks that are looked at together.
+const MARKS: usize = 16;
+
+/// The mark of a pixel that is a source's if it touches one.
+fn perhaps<L: Level>() -> L {
+    L::of(0.5)
+}
+
+/// Marks a pixel that may be a source's where it touches one.
+fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) {
+    let is = |at: usize, wanted: L| marks.get(at).is_some_and(|&mark| mark == wanted);
+    if is(index, perhaps())
+        && grid.neighbours(index).any(|at| is(at, L::ONE))
+        && let Some(mark) = marks.get_mut(index)
+    {
+        *mark = L::ONE;
+    }
 }
 
 /// Masks the pixels without a signal: they would count as quiet sky.
@@ -193,7 +216,6 @@ pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::grid::Grid;
 
     extern crate std;
 

@@ -10,6 +10,7 @@ use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::part::Whole;
+use skyfront_core::plane::rows::used;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::outcome::{Outcome, Progress::Working};
 use skyfront_core::run::workspace::{Workspace, regions};
@@ -114,16 +115,16 @@ pub fn segment<A: Arithmetic, L: Level>(
         extremes.observe(&row);
     }
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
-    for (at, (&label, &pixel)) in labels.iter().zip(pixels).enumerate() {
-        if let Some(source) = (label as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
-            source.add((at % width) as u32, (at / width) as u32, pixel, extremes.least);
+    for (at, label) in used(&labels) {
+        if let Some(source) = sources.get_mut(label as usize - 1) {
+            source.add((at % width) as u32, (at / width) as u32, pixels[at], extremes.least);
         }
     }
     let [mut blended, mut plateaus] = [(); 2].map(|()| vec![false; sources.len()]);
     let mark = |of: &mut [bool], label: u32| {
         (label as usize).checked_sub(1).and_then(|index| of.get_mut(index)).into_iter().for_each(|of| *of = true);
     };
-    for region in table {
+    for region in &table[..found.regions] {
         if let Some(other) = region.divided_from(&labels) {
             // The other may remember a part that was dropped.
             mark(&mut blended, region.label);

@@ -11,19 +11,34 @@ const HEIGHT: f32 = 5.0;
 /// of four pixels may take some of it.
 const SHARE: f32 = 0.25;
 
-/// The value at `x` of the middle of three rows of signal-to-noise: its own, or where it is a
-/// spike the median of its neighbours. Rows beyond the frame are empty.
-pub fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {
+/// Copies the middle of three rows of signal-to-noise to `out`, each spike replaced by the median of its
+/// neighbours. Rows beyond the frame are empty.
+pub fn clean<L: Level>(rows: [&[L]; 3], out: &mut [L]) {
+    let ([_, row, _], height) = (rows, L::of(HEIGHT));
+    let pieces = out.chunks_mut(PIECE).zip(row.chunks(PIECE));
+    for (first, (out, row)) in (0..).step_by(PIECE).zip(pieces) {
+        out.iter_mut().zip(row).for_each(|(out, value)| *out = *value);
+        if row.iter().fold(false, |any, value| any | (*value > height)) {
+            let bright = out.iter_mut().zip(first..).filter(|(value, _)| **value > height);
+            bright.for_each(|(value, x)| *value = cleaned(rows, x));
+        }
+    }
+}
+
+/// Pixels of a row that are looked at together.
+const PIECE: usize = 16;
+
+/// The value at `x` of the middle of three rows: its own, or where it is a spike the median of its neighbours.
+fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {
     let [_, row, _] = rows;
     let own = row.get(x).copied().unwrap_or(L::ZERO);
-    let height = L::of(HEIGHT);
-    if own <= height {
+    let below = |light: L| light < own.scaled(L::Weight::of(SHARE));
+    if own <= L::of(HEIGHT) || !below(across_edges(rows, x)) {
         return own;
     }
     let median = median_around(rows, x);
-    let below = |light: L| light < own.scaled(L::Weight::of(SHARE));
-    let alone = below(median.positive() + L::ONE) && below(across_edges(rows, x));
-    if own - median > height && alone { median } else { own }
+    let alone = below(median.positive() + L::ONE);
+    if own - median > L::of(HEIGHT) && alone { median } else { own }
 }
 
 /// The median of the up to eight neighbours of a pixel.

@@ -20,7 +20,7 @@ pub fn centre(image: &Plane, smooth: &Plane, regions: &mut Regions, (noise, phot
             let mean = |of: fn((f64, f64)) -> f64| {
                 let (peak, off) = (of(place(region.peak, width)), |at: usize| of(place(at, width)));
                 let mean = upper.iter().map(|&at| values[at] * (off(at) - peak)).sum::<f64>() / total;
-                peak + to_part(mean, judge)
+                peak + to_part(mean, 1.0, judge)
             };
             let middle = (mean(|place| place.0), mean(|place| place.1));
             let is_level = |place| light(smooth, place).is_some_and(|light| judge.exceeds(light, 0.85 * top));

@@ -32,7 +32,12 @@ impl Judge {
 
     /// Whether `a` is above `b`.
     pub fn exceeds(&self, a: f64, b: f64) -> bool {
-        let off = self.slack.absolute + self.slack.relative * (a.abs() + b.abs());
+        self.exceeds_of(1.0, a, b)
+    }
+
+    /// The same where the roundings of what they are made of count so many times in them.
+    pub fn exceeds_of(&self, times: f64, a: f64, b: f64) -> bool {
+        let off = self.slack.absolute * times + self.slack.relative * (a.abs() + b.abs());
         if off == 0.0 || (a - b).abs() > off {
             return a > b;
         }

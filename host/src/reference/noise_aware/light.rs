@@ -46,11 +46,11 @@ pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
     Some(round(place.1) * image.width() + round(place.0))
 }
 
-/// The nearest whole part of 256 of a pixel.
-pub fn to_part(offset: f64, judge: &Judge) -> f64 {
+/// The nearest whole part of 256 of a pixel. The offset is a quotient by `divisor`.
+pub fn to_part(offset: f64, divisor: f64, judge: &Judge) -> f64 {
     let below = (256.0 * offset).floor();
     let border = (below + 0.5) / 256.0;
-    (below + f64::from(u8::from(judge.exceeds(offset, border) || offset == border))) / 256.0
+    (below + f64::from(u8::from(judge.exceeds_of(0.25 / divisor, offset, border) || offset == border))) / 256.0
 }
 
 /// The vertex of the parabolas through a pixel and its neighbours along each axis.
@@ -61,8 +61,8 @@ pub fn vertex(image: &Plane, at: usize, judge: &Judge) -> Place {
     let off = |before: f64, after: f64, at: usize, length: usize| {
         let bend = 2.0 * v.c - before - after;
         let inner = at > 0 && at + 1 < length && bend > 0.0;
-        if inner { (0.5 * (after - before) / bend).clamp(-0.5, 0.5) } else { 0.0 }
+        let off = if inner { to_part((0.5 * (after - before) / bend).clamp(-0.5, 0.5), bend, judge) } else { 0.0 };
+        at as f64 + off
     };
-    let (along, up) = (off(v.w, v.e, x, width), off(v.s, v.n, y, height));
-    (x as f64 + to_part(along, judge), y as f64 + to_part(up, judge))
+    (off(v.w, v.e, x, width), off(v.s, v.n, y, height))
 }

@@ -11,6 +11,8 @@ pub enum Needs {
     Windowed,
     /// The background beside the source.
     Local,
+    /// The Petrosian radius.
+    Petrosian,
 }
 
 /// A column as others know it.
@@ -41,7 +43,7 @@ const fn kron(name: &'static str, ucd: &'static str, sextractor: &'static [&'sta
 }
 
 /// All columns.
-pub const KNOWN: [Known; 69] = [
+pub const KNOWN: [Known; 74] = [
     usual("label", "meta.id;meta.main", &["NUMBER"]),
     usual("x", "pos.cartesian.x;instr.det", &["X_IMAGE"]),
     usual("y", "pos.cartesian.y;instr.det", &["Y_IMAGE"]),
@@ -106,6 +108,11 @@ pub const KNOWN: [Known; 69] = [
     on_request("errxywin", "stat.covariance;pos.cartesian", &["ERRXYWIN_IMAGE"], Needs::Windowed),
     on_request("ra_win", "pos.eq.ra", &["ALPHAWIN_J2000", "ALPHAWIN_SKY", "XWIN_WORLD"], Needs::Windowed),
     on_request("dec_win", "pos.eq.dec", &["DELTAWIN_J2000", "DELTAWIN_SKY", "YWIN_WORLD"], Needs::Windowed),
+    on_request("petrosian_radius", "phys.angSize;instr.det", &[], Needs::Petrosian),
+    on_request("flux_petrosian", "phot.count", &["FLUX_PETRO"], Needs::Petrosian),
+    on_request("flux_petrosian_err", "stat.error;phot.count", &["FLUXERR_PETRO"], Needs::Petrosian),
+    on_request("mag_petrosian", "phot.mag", &["MAG_PETRO"], Needs::Petrosian),
+    on_request("mag_petrosian_err", "stat.error;phot.mag", &["MAGERR_PETRO"], Needs::Petrosian),
     on_request("background_local", "instr.skyLevel", &[], Needs::Local),
     on_request("noise_local", "instr.skyLevel;stat.stdev", &[], Needs::Local),
     on_request("flux_local", "phot.count", &[], Needs::Local),

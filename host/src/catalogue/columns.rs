@@ -314,6 +314,23 @@ impl Column {
         known(&self.name).map_or("", |one| one.ucd)
     }
 
+    /// Whether it is the same in every image of the pixels.
+    pub(super) fn is_of_map(&self) -> bool {
+        ["label", "xmin", "xmax", "ymin", "ymax", "area"].contains(&self.name.as_str())
+    }
+
+    /// The same of a further image, counted from 0.
+    pub(super) fn of_band(self, band: usize) -> Column {
+        let name = format!("m{}_{}", band + 2, self.name);
+        let value = match self.value {
+            Value::Integer(value) => Value::Integer(Box::new(move |m| m.bands.get(band).map_or(0, &value))),
+            Value::Real(value, digits) => {
+                Value::Real(Box::new(move |m| m.bands.get(band).map_or(f64::NAN, &value)), digits)
+            }
+        };
+        Column { name, value, ..self }
+    }
+
     /// Whether it is there when no columns are chosen.
     pub fn is_usual(&self) -> bool {
         known(&self.name).is_none_or(|one| one.usual)

@@ -120,8 +120,13 @@ pub const KNOWN: [Known; 74] = [
     on_request("snr_local", "stat.snr", &[], Needs::Local),
 ];
 
-/// What is known of a column.
+/// What is known of a column, of a further image too (`m2_`).
 pub fn known(name: &str) -> Option<&'static Known> {
+    let of_band = name.strip_prefix('m').and_then(|rest| rest.split_once('_'));
+    let name = match of_band {
+        Some((band, name)) if !band.is_empty() && band.bytes().all(|byte| byte.is_ascii_digit()) => name,
+        _ => name,
+    };
     let numbered = name.split_once("aper_").and_then(|(head, tail)| {
         let end = tail.trim_start_matches(|c: char| c.is_ascii_digit());
         (end.len() < tail.len()).then(|| format!("{head}aper_#{end}"))

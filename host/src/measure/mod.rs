@@ -157,6 +157,8 @@ pub struct Measured {
     pub position_angle: Option<f64>,
     /// Bits of [`skyfront_core::sources::flags`].
     pub flags: u32,
+    /// The same source in further images.
+    pub bands: Vec<Measured>,
 }
 
 /// Measures all sources; labels are those of `scene`, 1 for the first source. Cost: one pass over
@@ -242,6 +244,7 @@ impl Task<'_> {
             windowed_position: sky.filter(|_| wanted.windowed).and_then(|sky| sky.position(windowed.x, windowed.y)),
             position_angle: sky.and_then(|sky| sky.position_angle(shape.x, shape.y, shape.theta)),
             flags: flags & !shape::OUTLINE,
+            bands: Vec::new(),
         }
     }
 

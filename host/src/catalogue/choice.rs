@@ -63,7 +63,12 @@ impl Choice {
     pub fn wanted(columns: &[Column]) -> Wanted {
         let needs =
             |needs: Needs| columns.iter().filter_map(|column| known(&column.name)).any(|one| one.needs == needs);
-        Wanted { kron: needs(Needs::Kron), windowed: needs(Needs::Windowed), local: needs(Needs::Local) }
+        Wanted {
+            kron: needs(Needs::Kron),
+            windowed: needs(Needs::Windowed),
+            local: needs(Needs::Local),
+            petrosian: needs(Needs::Petrosian),
+        }
     }
 
     /// Whether magnitudes are named, which need a zero point.

@@ -11,8 +11,8 @@ pub use choice::Choice;
 pub use columns::{Column, Setting, Value, columns};
 
 use crate::background::SkyMaps;
-use crate::input::{At, Input, Positions};
-use crate::measure::{Extras, Level, Measured, Scene, measure, measure_at, run_flags};
+use crate::input::{At, Input, Observed, Positions};
+use crate::measure::{Extras, Level, Measured, Neighbours, Scene, measure, measure_at, run_flags};
 use crate::picture::Zoom;
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
@@ -109,18 +109,34 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// Measures the sources of a run. Coordinates are those of the image they are measured in, or
-    /// of the segmented one where that has none.
+    /// Measures the sources of a run. Coordinates are those of the image they are measured in, or of the
+    /// segmented one where that has none. Of several images the first has the plain names of columns.
     pub fn of(input: &Input, run: &Segmentation, request: &Request) -> Catalogue {
-        let observed = input.measured();
+        let (first, others) = match input.bands.as_slice() {
+            [first, others @ ..] => (first, others),
+            [] => (&input.detected, &[][..]),
+        };
+        let mut catalogue = Catalogue::in_image(first, input, run, request);
+        for (band, observed) in others.iter().enumerate() {
+            let more = Catalogue::in_image(observed, input, run, request);
+            let of_band = more.columns.into_iter().filter(|column| !column.is_of_map());
+            catalogue.columns.extend(of_band.map(|column| column.of_band(band)));
+            catalogue.rows.iter_mut().zip(more.rows).for_each(|(row, more)| row.bands.push(more));
+            catalogue.refused = catalogue.refused.or(more.refused);
+        }
+        catalogue
+    }
+
+    /// Measures the sources of a run in one image.
+    fn in_image(observed: &Observed, input: &Input, run: &Segmentation, request: &Request) -> Catalogue {
         let image = &observed.image;
-        let (sky, refused) = match coordinates(input, request.wcs) {
+        let (sky, refused) = match coordinates(observed, input, request.wcs) {
             Ok(sky) => (sky, None),
             Err(reason) => (None, Some(reason)),
         };
         let mut extras = request.extras.clone();
         // Another image has another sky; it is measured as that of the segmented one was.
-        let of_another = run.sky.as_ref().filter(|_| input.measured.is_some());
+        let of_another = run.sky.as_ref().filter(|_| !input.bands.is_empty());
         let of_another = of_another.map(|_| SkyMaps::beside(&image.pixels, &run.labels, run.width));
         let known = |maps: &&SkyMaps| maps.level.iter().all(|level| level.is_finite());
         let maps = of_another.as_ref().or(run.sky.as_ref()).filter(known);
@@ -212,9 +228,9 @@ fn at_places(scene: &Scene<'_>, positions: &Positions, extras: &Extras<'_>, sky:
 }
 
 /// The coordinates of the image that is measured, or of the segmented one.
-fn coordinates(input: &Input, letter: Option<char>) -> Result<Option<Sky>, String> {
+fn coordinates(observed: &Observed, input: &Input, letter: Option<char>) -> Result<Option<Sky>, String> {
     let of = |header| Sky::alternate(header, letter);
-    let sky = match of(&input.measured().image.header)? {
+    let sky = match of(&observed.image.header)? {
         None => of(&input.detected.image.header)?,
         sky => sky,
     };

@@ -126,7 +126,7 @@ fn rounded(value: f64) -> f64 {
 
 /// What is to be known about the files of a run before it starts.
 pub fn about_input(input: &Input, volume: Volume) -> Vec<String> {
-    let observed = [Some(&input.detected), input.measured.as_ref()].into_iter().flatten();
+    let observed = std::iter::once(&input.detected).chain(&input.bands);
     let warnings = observed.flat_map(|one| one.image.warnings.iter().map(move |text| (&one.name, text)));
     let mut lines: Vec<String> = warnings.map(|(name, text)| format!("warning: {name}: {text}")).collect();
     let (name, removed) = (&input.detected.name, input.removed);

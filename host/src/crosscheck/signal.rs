@@ -23,6 +23,7 @@ use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::Workspace;
 use skyfront_core::sky::view::Known;
+use std::collections::HashMap;
 
 /// Runs the core and looks at each of its steps beside the reference's with `asked`: the settings of the
 /// configuration, or others to see whether it is noticed. A front of the paper moves in `A`.
@@ -153,6 +154,25 @@ impl Left {
             labels: work.labels.to_vec(),
             regions: work.regions.iter().take(most.min(work.regions.len())).map(seen).collect(),
         }
+    }
+
+    /// The same regions in the core's order, each where the core's has its peak: in which order the components of the
+    /// outlines are gone through, and so how their regions are numbered, changes no source.
+    fn renumbered(&self, exact: &Regions) -> Regions {
+        let mut place: Vec<Option<usize>> = vec![None; exact.table.len()];
+        let mut taken = vec![false; exact.table.len()];
+        let peaks: HashMap<usize, usize> = exact.table.iter().enumerate().map(|(at, region)| (region.peak, at)).collect();
+        for (at, core) in self.regions.iter().enumerate().take(taken.len()) {
+            if let Some(&own) = peaks.get(&core.peak) {
+                (place[own], taken[at]) = (Some(at), true);
+            }
+        }
+        let mut free = (0..taken.len()).filter(|&at| !taken[at]);
+        let place: Vec<usize> = place.into_iter().map(|at| at.or_else(|| free.next()).unwrap_or_default()).collect();
+        let mut table = exact.table.clone();
+        exact.table.iter().zip(&place).for_each(|(region, &at)| table[at] = region.clone());
+        let named = |&label: &u32| if label == 0 { 0 } else { place[label as usize - 1] as u32 + 1 };
+        Regions { labels: exact.labels.iter().map(named).collect(), table }
     }
 
     /// Pixels with another label, and regions with pixels that have another centre, another part that was divided from
@@ -442,7 +462,9 @@ impl Walk {
         let (sharp, off) = self.sharpened(&before.fine, 1.5, self.asked.sharpening);
         self.plane("sharpened", &after.fine, &sharp, &off);
         let inside = self.inside(before);
-        let run = |judge: &Judge| reference::tree(&after.fine, &inside, self.photon, &self.asked, judge);
+        let run = |judge: &Judge| {
+            after.renumbered(&reference::tree(&after.fine, &inside, self.photon, &self.asked, judge))
+        };
         self.regions = reference::nearest(self.slack(), run, |regions| after.apart(regions));
         self.notes.count("tree", after.apart(&self.regions));
         let pairs = self.regions.table.iter().zip(&after.regions).filter(|(exact, _)| exact.area >= 3);

@@ -1,5 +1,5 @@
 // A run that is saved between two polls and taken up by another: the bits are those of one left alone.
-use skyfront_core::arithmetic::Q24;
+use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
@@ -12,10 +12,10 @@ use skyfront_core::sources::catalog::Source;
 const W: usize = 48;
 const H: usize = 32;
 
-/// The planes of a run in 32-bit fixed point.
+/// The memory of a run.
 struct Room {
-    planes: [[i32; W * H]; 2],
-    ring: [i32; ring_cells(W, false)],
+    planes: [[f32; W * H]; 2],
+    ring: [f32; ring_cells(W, false)],
     tiles: [u8; flags_len(W, H)],
     samples: [f32; W],
     counts: Histogram,
@@ -25,8 +25,8 @@ struct Room {
 impl Room {
     fn new() -> Room {
         Room {
-            planes: [[0; W * H]; 2],
-            ring: [0; ring_cells(W, false)],
+            planes: [[0.0; W * H]; 2],
+            ring: [0.0; ring_cells(W, false)],
             tiles: [0; flags_len(W, H)],
             samples: [0.0; W],
             counts: Histogram::EMPTY,
@@ -34,7 +34,7 @@ impl Room {
         }
     }
 
-    fn run(&mut self) -> Result<Segmenter<'_, Q24>, Error> {
+    fn run(&mut self) -> Result<Segmenter<'_, F32>, Error> {
         let [image, front] = &mut self.planes;
         let memory = Memory {
             image,
@@ -49,7 +49,7 @@ impl Room {
     }
 }
 
-fn to_the_end(run: &mut Segmenter<'_, Q24>) -> Result<Outcome, Error> {
+fn to_the_end(run: &mut Segmenter<'_, F32>) -> Result<Outcome, Error> {
     let mut frame = Sky::new(Kind::Bright, 7, W, H);
     loop {
         if let Progress::Done(outcome) = run.poll(H, &mut frame)? {

@@ -6,8 +6,8 @@ use skyfront_core::error::Error;
 use skyfront_core::run::extract::{Extractor, Progress};
 use skyfront_core::run::frame::{Frame, SliceFrame};
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::run::outcome::Progress as Moved;
 use skyfront_core::run::segmenter::Segmenter;
-use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::simulate::{Kind, Sky as Simulated};
 use skyfront_core::sky::otsu::Histogram;
@@ -35,9 +35,7 @@ fn outline(image: &[f32]) -> Result<[bool; N], Error> {
         sources: &mut [],
     };
     let mut mover = Segmenter::<F32>::new(&CONFIG, W, H, memory)?;
-    while mover.stage() != Stage::Provisional {
-        mover.poll(H, &mut SliceFrame(image))?;
-    }
+    while !matches!(mover.poll(H, &mut SliceFrame(image))?, Moved::Done(_)) {}
     Ok(core::array::from_fn(|at| mover.front()[at] > 0.0))
 }
 

@@ -1,16 +1,18 @@
 //! A run on signal-to-noise on the host: memory, the steps, the catalogue.
 
 use crate::background::SkyMaps;
+use crate::evolution::segment_in;
 use crate::nothing::without_front;
-use crate::pipeline::{Drive, Segmentation, StagePlanes, segment_in};
 use crate::remarks;
+use crate::segmentation::{Drive, Segmentation, StagePlanes};
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::part::Whole;
+use skyfront_core::plane::rows::used;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
-use skyfront_core::run::outcome::{self, Outcome};
+use skyfront_core::run::outcome::{Outcome, Progress::Working};
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
@@ -29,16 +31,16 @@ pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static
     ]
 }
 
-/// The signal-to-noise that pictures show.
+/// The signal-to-noise that the histogram shows.
 pub mod shown {
-    /// Black.
+    /// Its first bin begins here.
     pub const LEAST: f32 = -5.0;
-    /// White.
+    /// Its last one ends here.
     pub const GREATEST: f32 = 20.0;
 
-    /// A signal-to-noise on the scale from black, 0, to white, 1.
+    /// A signal-to-noise on the scale from the one, 0, to the other, 1.
     pub fn unit(value: &f32) -> f32 {
-        ((value - LEAST) / (GREATEST - LEAST)).clamp(0.0, 1.0)
+        (value - LEAST) / (GREATEST - LEAST)
     }
 }
 
@@ -82,11 +84,11 @@ pub fn segment<A: Arithmetic, L: Level>(
         match run.progress() {
             Progress::Done(found) => break found,
             Progress::Next(stage) => {
+                if let Some(watch) = &mut drive.watch {
+                    watch(&Working { stage, pass: 0, row: 0, last_change: 0.0 });
+                }
                 run.poll()?;
                 seconds.push((stage, started.elapsed()));
-                if let Some(watch) = &mut drive.watch {
-                    watch(&outcome::Progress::Working { stage, pass: 0, row: 0, last_change: 0.0 });
-                }
             }
             Progress::Front => {
                 let evolved = move_front::<A, L>(config, &run, width, drive)?;
@@ -113,16 +115,16 @@ pub fn segment<A: Arithmetic, L: Level>(
         extremes.observe(&row);
     }
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
-    for (at, (&label, &pixel)) in labels.iter().zip(pixels).enumerate() {
-        if let Some(source) = (label as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
-            source.add((at % width) as u32, (at / width) as u32, pixel, extremes.least);
+    for (at, label) in used(&labels) {
+        if let Some(source) = sources.get_mut(label as usize - 1) {
+            source.add((at % width) as u32, (at / width) as u32, pixels[at], extremes.least);
         }
     }
     let [mut blended, mut plateaus] = [(); 2].map(|()| vec![false; sources.len()]);
     let mark = |of: &mut [bool], label: u32| {
         (label as usize).checked_sub(1).and_then(|index| of.get_mut(index)).into_iter().for_each(|of| *of = true);
     };
-    for region in table {
+    for region in &table[..found.regions] {
         if let Some(other) = region.divided_from(&labels) {
             // The other may remember a part that was dropped.
             mark(&mut blended, region.label);

@@ -55,6 +55,8 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "pixels_removed_by_maps": input.removed,
         "min": outcome.extremes.least,
         "max": outcome.extremes.greatest,
+        "background": run.sky.as_ref().map(|sky| middle(&sky.level)),
+        "noise": run.sky.as_ref().map(|sky| middle(&sky.noise)),
         "arithmetic": run.arithmetic,
         "parameters": settings,
         "tau": moved(json!(outcome.tau)),
@@ -73,6 +75,16 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "labels_crc32": format!("{:08x}", label_digest(&run.labels)),
         "seconds": seconds,
     })
+}
+
+/// The median of the known values of a map; null where there is none.
+fn middle(map: &[f32]) -> Value {
+    let mut known: Vec<f32> = map.iter().copied().filter(|value| value.is_finite()).collect();
+    let half = known.len() / 2;
+    match half < known.len() {
+        true => json!(shortest(*known.select_nth_unstable_by(half, f32::total_cmp).1)),
+        false => Value::Null,
+    }
 }
 
 fn json_of(value: write::Value) -> Value {

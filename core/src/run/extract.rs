@@ -42,6 +42,8 @@ pub struct Found {
     pub mask_pixels: u32,
     /// Peaks for which the table of regions had no room: their pixels are in no source.
     pub unlabelled: u32,
+    /// Regions in the table; what lies behind them is of no run.
+    pub regions: usize,
     /// Pixels that no front can have reached: they are in no source.
     pub unreached: u32,
     /// The cut on the peak in the matched image, in its noise.
@@ -179,12 +181,8 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                     curvature: L::Weight::of(config.outline.curvature),
                     steps: config.outline.steps,
                 };
-                for at in 0..grid.cells() {
-                    let start = smoothed(config.filter, work).get(at).copied();
-                    if let (Some(u), Some(start)) = (work.front.get_mut(at), start) {
-                        *u = start;
-                    }
-                }
+                let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
+                work.front.iter_mut().zip(start).for_each(|(u, start)| *u = *start);
                 front.outline(work.fine, work.front, work.scratch, grid);
             }
             Stage::Tree => {
@@ -201,7 +199,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 drop_undefined(view, work.labels);
             }
             Stage::Select => {
-                let mut planes = work.selection();
+                let mut planes = work.selection(self.count.regions);
                 self.cut = match config.select {
                     Select::Area => {
                         selection::measure(&mut planes);
@@ -209,7 +207,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                     }
                     Select::Significance => selection::cut(view, config, &mut planes),
                 };
-                self.kept = selection::keep(config, self.cut, work.labels, work.regions);
+                self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
             }
             _ => {}
         }
@@ -262,7 +260,8 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
 
     /// The image over which a front is to move: signal-to-noise, W x H, smoothed as the filter says.
     pub fn image(&self) -> &[L] {
-        smoothed(self.config.filter, &self.work)
+        let Workspace { signal, fine, smooth, .. } = &self.work;
+        smoothed(self.config.filter, [signal, fine, smooth])
     }
 
     /// The planes, the mesh and the regions as the steps so far left them.
@@ -297,6 +296,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             sources: self.kept.sources,
             mask_pixels: self.kept.pixels,
             unlabelled: self.count.left_out,
+            regions: self.count.regions,
             unreached: self.unreached,
             significance: self.cut.significance,
             photon: self.noise.photon,
@@ -317,12 +317,12 @@ fn first_round(whole: &dyn Whole) -> u32 {
     open.unwrap_or(last).saturating_sub(1)
 }
 
-/// Signal-to-noise as a filter leaves it.
-fn smoothed<'w, L: Level>(filter: Filter, work: &'w Workspace<'_, L>) -> &'w [L] {
+/// Signal-to-noise as a filter leaves it: as it is, lightly smoothed or smoothed by need.
+fn smoothed<L: Level>(filter: Filter, [signal, fine, smooth]: [&[L]; 3]) -> &[L] {
     match filter {
-        Filter::Gauss => work.fine,
-        Filter::Adaptive => work.smooth,
-        _ => work.signal,
+        Filter::Gauss => fine,
+        Filter::Adaptive => smooth,
+        _ => signal,
     }
 }
 
@@ -332,6 +332,9 @@ fn moved_elsewhere(config: &Config) -> Error {
 
 /// An undefined pixel between two of a source carries its light across, but is in no source.
 fn drop_undefined(view: &View<'_>, labels: &mut [u32]) {
+    if view.is_whole() {
+        return;
+    }
     for (_, label) in labels.iter_mut().enumerate().filter(|(at, _)| !view.is_defined(*at)) {
         *label = 0;
     }

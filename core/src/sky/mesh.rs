@@ -108,13 +108,15 @@ impl<'m> Mesh<'m> {
         mut keys: Keys<'_>,
     ) -> Survey {
         let (size, grid) = (self.size, self.grid);
-        let count = |index: usize| Count::of(cell_of(size, grid, index).map(&seen));
-        let sky = |index: usize| {
-            let sky = cell_of(size, grid, index).filter(|&at| seen(at) == Seen::Sky);
+        self.settle(|index| {
+            let mut count = Count::default();
             // Adding 0 gives both zeros one key.
-            clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values)
-        };
-        self.settle(count, sky)
+            let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
+            let sky = cell_of(size, grid, index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
+            let sorted = keys.sorted(sky.map(value));
+            let sky = if count.is_enough() { clipped(sorted, values) } else { Sky::UNKNOWN };
+            (count, sky)
+        })
     }
 
     /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
@@ -139,46 +141,45 @@ impl<'m> Mesh<'m> {
             x.zip(y).is_some_and(|place| part.owns(place))
         };
         let words = |index: usize| {
-            let Count { all, defined, sky } = Count::of(places(index).map(&seen));
-            let values_of_sky = places(index).filter(|&at| seen(at) == Seen::Sky);
-            let Sky { level, noise } =
-                clipped(keys.sorted(values_of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values);
+            let mut count = Count::default();
+            let of_sky = places(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
+            let sorted = keys.sorted(of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0)));
+            let (Sky { level, noise }, Count { all, defined, sky }) = (clipped(sorted, values), count);
             [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
         };
         let answer = whole.words(Question::Cells(round), &mut (0..grid.cells()).filter(is_own).flat_map(words))?;
         let cell = |index: usize| answer.get(index * CELL_WORDS..).and_then(|words| words.first_chunk::<CELL_WORDS>());
-        let count = |index: usize| {
-            let [_, all, defined, sky, ..] = cell(index).map_or([0; CELL_WORDS], |cell| *cell);
-            Count { all: all as usize, defined: defined as usize, sky: sky as usize }
-        };
-        let sky = |index: usize| {
-            cell(index).map_or(Sky::UNKNOWN, |&[.., level, noise]| Sky {
-                level: f32::from_bits(level),
-                noise: f32::from_bits(noise),
-            })
-        };
-        Some(self.settle(count, sky))
+        Some(self.settle(|index| {
+            let Some(&[_, all, defined, sky, level, noise]) = cell(index) else {
+                return (Count::default(), Sky::UNKNOWN);
+            };
+            let count = Count { all: all as usize, defined: defined as usize, sky: sky as usize };
+            (count, Sky { level: f32::from_bits(level), noise: f32::from_bits(noise) })
+        }))
     }
 
-    /// Settles what every cell has, of its counts and of its sky, which is asked for where that is enough.
-    fn settle(&mut self, count: impl Fn(usize) -> Count, mut sky: impl FnMut(usize) -> Sky) -> Survey {
+    /// Settles what every cell has, of what its pixels are and of its sky, which counts where that is enough.
+    fn settle(&mut self, mut measure: impl FnMut(usize) -> (Count, Sky)) -> Survey {
         let mut survey = Survey::default();
+        // A bit per cell, a word per row of them.
+        let mut enough = [0u64; MOST_CELLS];
         for index in 0..self.cells.len() {
-            let count = count(index);
+            let (count, sky) = measure(index);
             survey.cells += u32::from(count.defined > 0);
-            survey.measured += u32::from(count.is_enough());
+            if !count.is_enough() {
+                continue;
+            }
+            survey.measured += 1;
+            let (column, row) = self.grid.place(index);
+            if let (Some(cell), Some(enough)) = (self.cells.get_mut(index), enough.get_mut(row)) {
+                *cell = sky;
+                *enough |= 1 << column;
+            }
         }
-        let crowded = survey.is_crowded();
-        for index in 0..self.cells.len() {
-            let measured = if count(index).is_enough() {
-                sky(index)
-            } else if crowded {
-                Self::cell(self.cells, index)
-            } else {
-                Sky::UNKNOWN
-            };
-            if let Some(cell) = self.cells.get_mut(index) {
-                *cell = measured;
+        if !survey.is_crowded() {
+            for (row, enough) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(enough) {
+                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| enough >> column & 1 == 0);
+                unmeasured.for_each(|(_, cell)| *cell = Sky::UNKNOWN);
             }
         }
         self.fill();
@@ -234,17 +235,39 @@ impl<'m> Mesh<'m> {
     /// Background and noise at a pixel: bilinear between the centres of cells; beyond the outer ones
     /// the level goes on straight, the noise stays.
     pub fn at(&self, x: usize, y: usize) -> Sky {
-        let columns = self.grid.width.get();
-        let (across, up) = (Between::new(x, columns, self.scale.0), Between::new(y, self.grid.height, self.scale.1));
-        let blend = |value: fn(Sky) -> f32, part: fn(Between) -> f32| {
-            let row = |row: usize| {
-                let at = |column: usize| value(Self::cell(self.cells, row * columns + column));
-                at(across.first) * (1.0 - part(across)) + at(across.next) * part(across)
-            };
-            row(up.first) * (1.0 - part(up)) + row(up.next) * part(up)
-        };
-        Sky { level: blend(|sky| sky.level, |place| place.part), noise: blend(|sky| sky.noise, Between::inside) }
+        let (mut level, mut noise) = ([0.0], [0.0]);
+        self.along(x, y, &mut level, &mut noise);
+        let ([level], [noise]) = (level, noise);
+        Sky { level, noise }
     }
+
+    /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
+    pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
+        let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
+        let corners = |column: usize| [up.first, up.next].map(|row| Self::cell(self.cells, row * columns + column));
+        let until = x + level.len().min(noise.len());
+        let (mut x, mut rest) = (x, level.iter_mut().zip(noise));
+        while x < until {
+            // Columns that lie between the same two cells.
+            let Between { first, next, .. } = Between::new(x, columns, self.scale.0);
+            let end = Between::end(x, until, columns, self.scale.0);
+            let (before, after) = (corners(first), corners(next));
+            for ((level, noise), x) in rest.by_ref().take(end - x).zip(x..) {
+                let across = Between::after(first, x, self.scale.0);
+                *level = blend([before, after].map(|cells| cells.map(|sky| sky.level)), across.part, up.part);
+                *noise = blend([before, after].map(|cells| cells.map(|sky| sky.noise)), across.inside(), up.inside());
+            }
+            x = end;
+        }
+    }
+}
+
+/// Bilinear between two columns of two values each.
+#[inline(always)]
+fn blend([before, after]: [[f32; 2]; 2], across: f32, up: f32) -> f32 {
+    let row = |before: f32, after: f32| before * (1.0 - across) + after * across;
+    let ([first, next], [first_after, next_after]) = (before, after);
+    row(first, first_after) * (1.0 - up) + row(next, next_after) * up
 }
 
 /// First and last column, first and last row of a cell, the last not included.
@@ -275,12 +298,11 @@ struct Count {
 }
 
 impl Count {
-    fn of(pixels: impl Iterator<Item = Seen>) -> Count {
-        pixels.fold(Count::default(), |count, seen| Count {
-            all: count.all + 1,
-            defined: count.defined + usize::from(seen != Seen::Undefined),
-            sky: count.sky + usize::from(seen == Seen::Sky),
-        })
+    fn sees(&mut self, seen: Seen) -> Seen {
+        self.all += 1;
+        self.defined += usize::from(seen != Seen::Undefined);
+        self.sky += usize::from(seen == Seen::Sky);
+        seen
     }
 
     fn is_enough(&self) -> bool {
@@ -328,9 +350,30 @@ struct Between {
 
 impl Between {
     fn new(at: usize, cells: usize, scale: f32) -> Between {
-        let place = (at as f32 + 0.5) * scale - 0.5;
-        let first = (place as usize).min(cells.saturating_sub(2));
-        Between { first, next: (first + 1).min(cells.saturating_sub(1)), part: place - first as f32 }
+        let first = Self::first(at, cells, scale);
+        Between { next: (first + 1).min(cells.saturating_sub(1)), ..Self::after(first, at, scale) }
+    }
+
+    fn first(at: usize, cells: usize, scale: f32) -> usize {
+        (((at as f32 + 0.5) * scale - 0.5) as usize).min(cells.saturating_sub(2))
+    }
+
+    /// A place between the cell `first` and the one after it.
+    #[inline(always)]
+    fn after(first: usize, at: usize, scale: f32) -> Between {
+        Between { first, next: first + 1, part: ((at as f32 + 0.5) * scale - 0.5) - first as f32 }
+    }
+
+    /// The first place after `at`, at most `until`, that lies after another cell.
+    fn end(at: usize, until: usize, cells: usize, scale: f32) -> usize {
+        let first = Self::first(at, cells, scale);
+        let (mut inside, mut end) = (at, until);
+        while end - inside > 1 {
+            let middle = inside.midpoint(end);
+            let after = Self::first(middle, cells, scale) == first;
+            (inside, end) = if after { (middle, end) } else { (inside, middle) };
+        }
+        end
     }
 
     fn inside(self) -> f32 {
@@ -388,6 +431,24 @@ mod tests {
             assert!((sky.level - slope(x, y)).abs() < 0.2, "{} beside {} at {x}, {y}", sky.level, slope(x, y));
             // A cell of 64 pixels spans 3.2 and 1.9 of the slope.
             assert!((1.0..1.6).contains(&sky.noise), "{} at {x}, {y}", sky.noise);
+        }
+    }
+
+    #[test]
+    fn along_a_row_there_is_what_there_is_at_each_pixel() {
+        for side in [1, 63, 100, 130, SIDE] {
+            let mut cells: Vec<Sky> = (0..mesh_cells(side, side, CELL))
+                .map(|n| Sky { level: (n * 7919 % 101) as f32 - 0.3, noise: 1.0 + (n * 31 % 17) as f32 })
+                .collect();
+            let mesh = Mesh::over(&mut cells, (side, side), CELL);
+            let (mut level, mut noise) = (std::vec![0.0; side], std::vec![0.0; side]);
+            for (first, y) in [(0, 0), (side / 3, side / 2), (side - 1, side - 1)] {
+                mesh.along(first, y, &mut level[first..], &mut noise[first..]);
+                for x in first..side {
+                    let sky = mesh.at(x, y);
+                    assert_eq!([level[x], noise[x]].map(f32::to_bits), [sky.level, sky.noise].map(f32::to_bits));
+                }
+            }
         }
     }
 

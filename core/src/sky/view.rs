@@ -33,6 +33,7 @@ impl Known<'_> {
     }
 
     /// Whether the maps leave the pixel defined.
+    #[inline]
     pub(crate) fn allows(&self, at: usize) -> bool {
         Self::value(self.background, at).is_none_or(f32::is_finite)
             && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
@@ -78,8 +79,14 @@ impl<'a> View<'a> {
     }
 
     /// Whether a pixel is an observation that may be used.
+    #[inline]
     pub fn is_defined(&self, at: usize) -> bool {
         self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
+    }
+
+    /// Whether every pixel is defined.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.values.defined as usize == self.pixels.len()
     }
 
     /// The two defined pixels of its row, or else of its column, between which an undefined one lies.

@@ -4,6 +4,7 @@ use crate::arithmetic::Level;
 use crate::config::{Config, Select, Separate, part_area};
 use crate::plane::grid::Grid;
 use crate::plane::part::{Question, Whole};
+use crate::plane::rows::{next_with, used};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
 use crate::sky::view::View;
@@ -124,8 +125,10 @@ pub fn measure<L: Level>(work: &mut Planes<'_, L>) {
     for region in work.regions.iter_mut() {
         (region.area, region.sum, region.value, region.label) = (0, L::NOTHING, L::ZERO, 0);
     }
-    for ((&label, &matched), &signal) in work.labels.iter().zip(work.matched.iter()).zip(work.signal.iter()) {
-        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1)) {
+    for (at, label) in used(work.labels) {
+        let (matched, signal) = (work.matched.get(at), work.signal.get(at));
+        let region = work.regions.get_mut((label as usize).wrapping_sub(1));
+        if let (Some(region), Some(&matched), Some(&signal)) = (region, matched, signal) {
             region.area += 1;
             region.sum = region.sum + signal.times(1);
             if matched > region.value {
@@ -148,7 +151,10 @@ fn is_source<L: Level>(region: &Region<L>, config: &Config, cut: Cut<L>) -> bool
 /// Drops what is no source and numbers the rest in raster order.
 pub fn keep<L: Level>(config: &Config, cut: Cut<L>, labels: &mut [u32], regions: &mut [Region<L>]) -> Kept {
     let mut kept = Kept::default();
-    for label in labels.iter_mut() {
+    let mut next = 0;
+    while let Some(at) = next_with(labels, next, u32::MAX) {
+        next = at + 1;
+        let Some(label) = labels.get_mut(at) else { break };
         let Some(region) = regions.get_mut((*label as usize).wrapping_sub(1)) else { continue };
         if region.label == 0 && is_source(region, config, cut) {
             kept.sources += 1;

@@ -99,6 +99,9 @@ pub struct Count {
     pub left_out: u32,
 }
 
+/// Of the nine pixels around a peak so many must be its own: most of them.
+const MOST: usize = 5;
+
 /// Parent of a pixel that is in no region.
 pub const NONE: u32 = u32::MAX;
 
@@ -206,8 +209,8 @@ pub fn grow<L: Level>(
 
 /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
 /// pixels and light above the saddle for the noise there, a peak that rises above it by more than
-/// the noise and the unevenness of optics, and around its peak more than twice the light of the
-/// brighter: what lies across that's centre or, where this is of a third region, what there is
+/// the noise and the unevenness of optics, and in most pixels around its peak more than twice the
+/// light of the brighter: what lies across that's centre or, where this is of a third region, what there is
 /// around it at that distance.
 fn stands_apart<L: Level>(
     (setting, photon): (&Deblending, f32),
@@ -234,7 +237,7 @@ fn stands_apart<L: Level>(
         let light = if third { mirrored.least(field.around(centre, field.place(at))) } else { mirrored };
         field.at(at) > light + light
     };
-    field.grid.neighbours(peak).chain([peak]).filter(&mut own).count() >= 3
+    field.grid.neighbours(peak).chain([peak]).filter(&mut own).count() >= MOST
 }
 
 /// Whether a pixel is of another region than that with the root `host`.

@@ -8,14 +8,16 @@
 use super::CheckError;
 use super::notes::{Difference, Notes};
 use super::rounding::bit;
-use super::settings::parameters;
+use super::settings::{parameters, settings};
 use super::walk::walk;
-use crate::pipeline::{Drive, segment_in};
+use crate::pipeline::{Drive, Segmentation, segment_in};
 use crate::planes::SignalRoom;
-use crate::reference::Plane;
-use crate::reference::noise_aware::{self as reference, Facts, Judge, Mesh, Regions, Settings, Sky, Slack, Tail};
+use crate::reference::noise_aware::{
+    self as reference, Facts, Judge, Mesh, Region, Regions, Settings, Sky, Slack, Tail,
+};
+use crate::reference::{Plane, ReferenceError, is_beyond_reach};
 use skyfront_core::arithmetic::{Arithmetic, Level, Real};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Scheme};
 use skyfront_core::front::outline::Front;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::stage::Stage;
@@ -68,6 +70,40 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
     }
 }
 
+/// The whole run of the reference.
+///
+/// # Errors
+/// What it finds wrong.
+pub fn whole_run(config: &Config, pixels: &[f32], width: usize) -> Result<reference::Found, ReferenceError> {
+    let (asked, parameters) = (settings(config), parameters(config));
+    let pixels: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
+    reference::run(&asked, &pixels, width, |image, fine| {
+        if config.scheme == Scheme::Region {
+            return Ok(reference::region_front(&asked, image, fine));
+        }
+        let (width, height) = (image.width(), image.height());
+        let stages = crate::reference::run(&parameters, image.values(), width, height)?;
+        let u = Plane::from_fn(width, height, |i, j| {
+            let far = is_beyond_reach(&parameters, j as usize * width + i as usize, width, height);
+            if far { stages.u.at(i, j).min(0.0) } else { stages.u.at(i, j) }
+        });
+        Ok(reference::Moved { u, steps: stages.steps, t: stages.t })
+    })
+}
+
+/// The centroids of a run beside those of its own labels.
+pub fn centroids(pixels: &[f32], core: &Segmentation) -> Difference {
+    let pixels: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
+    let floor = core.outcome.extremes.least.into();
+    let truth = crate::reference::centroids(&core.labels, core.outcome.sources, &pixels, core.width, floor);
+    let shifts = core.sources.iter().zip(truth).map(|(source, (x, y))| {
+        let (core_x, core_y) = source.centroid();
+        (f64::from(core_x) - x).hypot(f64::from(core_y) - y)
+    });
+    let max = shifts.fold(0.0, f64::max);
+    Difference { step: "centroids", max, beyond: max }
+}
+
 /// What a step left.
 struct Left {
     signal: Plane,
@@ -117,6 +153,19 @@ impl Left {
             labels: work.labels.to_vec(),
             regions: work.regions.iter().take(most.min(work.regions.len())).map(seen).collect(),
         }
+    }
+
+    /// Pixels with another label, and regions with pixels that have another centre, another part that was divided from
+    /// them, or a plateau in one of both only.
+    fn apart(&self, exact: &Regions) -> usize {
+        let mut has_pixels = vec![false; self.regions.len() + 1];
+        self.labels.iter().for_each(|&label| has_pixels[label as usize] = true);
+        let differ = |&((exact, core), _): &((&Region, &Seen), &bool)| {
+            let (x, y) = (core.centre.0 - exact.centre.0, core.centre.1 - exact.centre.1);
+            x != 0.0 || y != 0.0 || exact.plateau != core.plateau || exact.divided != core.divided
+        };
+        let pairs = exact.table.iter().zip(&self.regions).zip(&has_pixels[1..]).filter(|(_, has_pixels)| **has_pixels);
+        pairs.filter(differ).count() + differing(&exact.labels, &self.labels)
     }
 }
 
@@ -379,7 +428,7 @@ impl Walk {
         let (width, height) = (self.width, after.front.height());
         let p = parameters(&self.config);
         let wrong = (0..front.len()).filter(|&at| {
-            let far = crate::reference::is_beyond_reach(&p, at, width, height);
+            let far = is_beyond_reach(&p, at, width, height);
             (front[at] > 0.0 && !far) != (after.front.values()[at] > 0.0)
         });
         self.notes.count("outline", wrong.count());
@@ -394,11 +443,10 @@ impl Walk {
         self.plane("sharpened", &after.fine, &sharp, &off);
         let inside = self.inside(before);
         let run = |judge: &Judge| reference::tree(&after.fine, &inside, self.photon, &self.asked, judge);
-        self.regions = reference::nearest(self.slack(), run, |regions| differing(&regions.labels, &after.labels));
-        self.notes.count("tree", differing(&self.regions.labels, &after.labels));
+        self.regions = reference::nearest(self.slack(), run, |regions| after.apart(regions));
+        self.notes.count("tree", after.apart(&self.regions));
         let pairs = self.regions.table.iter().zip(&after.regions).filter(|(exact, _)| exact.area >= 3);
         self.notes.count("tree", pairs.filter(|(exact, core)| exact.peak != core.peak).count());
-        self.same_regions("tree", &after.fine, after);
     }
 
     fn components(&mut self, after: &Left) {
@@ -415,29 +463,8 @@ impl Walk {
             reference::drop_undefined(&mut regions.labels, &self.defined);
             regions
         };
-        self.regions = reference::nearest(self.slack(), run, |regions| differing(&regions.labels, &after.labels));
-        self.notes.count("deblended", differing(&self.regions.labels, &after.labels));
-        self.same_regions("deblended", &before.fine, after);
-    }
-
-    /// Regions that have pixels: their centres, plateaus, and what was divided from them. A vertex is a quotient by what
-    /// bends at the peak.
-    fn same_regions(&mut self, step: &'static str, image: &Plane, after: &Left) {
-        let mut has_pixels = vec![false; after.regions.len() + 1];
-        after.labels.iter().for_each(|&label| has_pixels[label as usize] = true);
-        let pairs = self.regions.table.iter().zip(&after.regions).zip(&has_pixels[1..]);
-        let (mut wrong, mut apart) = (0, 0.0f64);
-        let bend = |peak: usize| {
-            let v = image.around((peak % self.width) as isize, (peak / self.width) as isize);
-            (2.0 * v.c - v.e - v.w).abs().min((2.0 * v.c - v.n - v.s).abs()).max(self.grain)
-        };
-        for ((exact, core), _) in pairs.filter(|(_, has_pixels)| **has_pixels) {
-            wrong += usize::from(exact.plateau != core.plateau || exact.divided != core.divided);
-            let (x, y) = (core.centre.0 - exact.centre.0, core.centre.1 - exact.centre.1);
-            apart = apart.max(x.hypot(y) - 2.0 * self.grain / bend(exact.peak));
-        }
-        self.notes.count(step, wrong);
-        self.notes.number("centres", apart, 0.0, bit(12));
+        self.regions = reference::nearest(self.slack(), run, |regions| after.apart(regions));
+        self.notes.count("deblended", after.apart(&self.regions));
     }
 
     fn select(&mut self, before: &Left, after: &Left) {

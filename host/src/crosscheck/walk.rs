@@ -37,7 +37,10 @@ pub fn walk<A: Arithmetic>(
         if let Progress::Done(outcome) = progress {
             let tau = A::Real::of(outcome.tau).to_f32();
             walk.image_steps(&outcome, f64::from(tau))?;
-            walk.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
+            // On signal-to-noise sources are another's concern.
+            if !config.sky.is_known() {
+                walk.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
+            }
             return Ok(walk.notes.found);
         }
     }

@@ -1,6 +1,6 @@
 //! Light between pixels, and on the other side of a centre (`default.md`, 5).
 
-use super::Plane;
+use super::{Judge, Plane};
 
 /// A place, column and row.
 pub type Place = (f64, f64);
@@ -46,8 +46,15 @@ pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
     Some(round(place.1) * image.width() + round(place.0))
 }
 
+/// The nearest whole part of 256 of a pixel.
+pub fn to_part(offset: f64, judge: &Judge) -> f64 {
+    let below = (256.0 * offset).floor();
+    let border = (below + 0.5) / 256.0;
+    (below + f64::from(u8::from(judge.exceeds(offset, border) || offset == border))) / 256.0
+}
+
 /// The vertex of the parabolas through a pixel and its neighbours along each axis.
-pub fn vertex(image: &Plane, at: usize) -> Place {
+pub fn vertex(image: &Plane, at: usize, judge: &Judge) -> Place {
     let (width, height) = (image.width(), image.height());
     let (x, y) = (at % width, at / width);
     let v = image.around(x as isize, y as isize);
@@ -56,5 +63,6 @@ pub fn vertex(image: &Plane, at: usize) -> Place {
         let inner = at > 0 && at + 1 < length && bend > 0.0;
         if inner { (0.5 * (after - before) / bend).clamp(-0.5, 0.5) } else { 0.0 }
     };
-    (x as f64 + off(v.w, v.e, x, width), y as f64 + off(v.s, v.n, y, height))
+    let (along, up) = (off(v.w, v.e, x, width), off(v.s, v.n, y, height));
+    (x as f64 + to_part(along, judge), y as f64 + to_part(up, judge))
 }

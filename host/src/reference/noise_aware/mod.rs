@@ -30,7 +30,7 @@ pub use sky::{Mesh, Seen, Sky};
 pub use smooth::{MASKED, Tail, by_need, marks, sharpened, smoothed, spline};
 pub use tree::{Region, Regions, components, tree};
 
-use super::{Connectivity, Plane};
+use super::{Connectivity, Plane, ReferenceError};
 
 /// How signal-to-noise is smoothed before a front starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +100,7 @@ pub struct Found {
     /// The photon noise.
     pub photon: f64,
     /// The front.
-    pub front: Plane,
+    pub front: Moved,
     /// The cut on significance.
     pub cut: Cut,
     /// The sources.
@@ -109,9 +109,34 @@ pub struct Found {
     pub sources: u32,
 }
 
-/// Runs a whole configuration with the front of the default; `None` where nothing is defined or nothing is known of
-/// the sky.
-pub fn run(settings: &Settings, pixels: &[f64], width: usize) -> Option<Found> {
+/// A front at its end.
+#[derive(Clone, Debug)]
+pub struct Moved {
+    /// Above 0 inside.
+    pub u: Plane,
+    /// Its steps.
+    pub steps: u32,
+    /// Its time.
+    pub t: f64,
+}
+
+/// The front of the default over the smoothed image, with the fine image for its force.
+pub fn region_front(settings: &Settings, image: &Plane, fine: &Plane) -> Moved {
+    let step = |u: Plane, _| step(&u, fine, settings.threshold, settings.curvature, FLAT);
+    let u = (0..settings.steps).fold(start(image, settings.threshold), step);
+    Moved { u, steps: settings.steps, t: f64::from(settings.steps) * STEP }
+}
+
+/// Runs a whole configuration with the front that `moved` makes of the smoothed image and the fine one.
+///
+/// # Errors
+/// [`ReferenceError::NoSky`], or what `moved` finds wrong.
+pub fn run(
+    settings: &Settings,
+    pixels: &[f64],
+    width: usize,
+    moved: impl Fn(&Plane, &Plane) -> Result<Moved, ReferenceError>,
+) -> Result<Found, ReferenceError> {
     let (judge, size) = (&Judge::exact(), (width, pixels.len() / width));
     let facts = Facts::of(pixels, width);
     let defined: Vec<bool> = pixels.iter().map(|&pixel| facts.defines(pixel)).collect();
@@ -120,7 +145,9 @@ pub fn run(settings: &Settings, pixels: &[f64], width: usize) -> Option<Found> {
     let mut mesh = Mesh::unknown(size, settings.cell);
     for round in 0.. {
         mesh = mesh.measure(pixels, &seen(&defined, &masked), &facts, 0.0);
-        mesh.cells.iter().find(|cell| cell.is_some_and(|sky| sky.noise > 0.0))?;
+        if !mesh.cells.iter().any(|cell| cell.is_some_and(|sky| sky.noise > 0.0)) {
+            break;
+        }
         let signal = without_spikes(&signal(pixels, &defined, &mesh, width), judge);
         let fine = smoothed(&signal, 0.8);
         let tail = Tail::of(fine.values(), &masked, facts.cut_off);
@@ -136,10 +163,8 @@ pub fn run(settings: &Settings, pixels: &[f64], width: usize) -> Option<Found> {
             Smoothing::Fine => &fine,
             Smoothing::ByNeed => &smooth,
         };
-        let front = (0..settings.steps).fold(start(image, settings.threshold), |u, _| {
-            step(&u, &fine, settings.threshold, settings.curvature, FLAT)
-        });
-        let inside: Vec<bool> = front.values().iter().zip(&signals).map(|(&u, &signal)| u > 0.0 && signal).collect();
+        let front = moved(image, &fine)?;
+        let inside: Vec<bool> = front.u.values().iter().zip(&signals).map(|(&u, &signal)| u > 0.0 && signal).collect();
         let mut regions = if settings.by_tree {
             let image = sharpened(&fine, 1.5, settings.sharpening);
             let mut regions = tree(&image, &inside, photon, settings, judge);
@@ -152,9 +177,9 @@ pub fn run(settings: &Settings, pixels: &[f64], width: usize) -> Option<Found> {
         let matched = matched(&signal);
         let cut = cut(&signal, &matched, &masked, facts.cut_off, &regions, settings, judge);
         let (labels, sources) = select(&signal, &matched, &regions, cut.least, settings, judge);
-        return Some(Found { facts, mesh, signal, smooth, masked, photon, front, cut, labels, sources });
+        return Ok(Found { facts, mesh, signal, smooth, masked, photon, front, cut, labels, sources });
     }
-    None
+    Err(ReferenceError::NoSky)
 }
 
 /// Everything that becomes of the regions of the tree.

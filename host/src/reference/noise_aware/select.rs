@@ -72,8 +72,12 @@ pub fn cut(
 ) -> Cut {
     let values = matched.values();
     let tail = Tail::of(values, masked, cut_off);
-    let next = values.iter().skip(1).chain([&0.0]);
-    let steps: Vec<f64> = values.iter().zip(next).map(|(own, next)| next - own).collect();
+    let width = matched.width();
+    let step = |at: usize| {
+        let next = if (at + 1).is_multiple_of(width) { at.checked_sub(1) } else { Some(at + 1) };
+        next.map_or(0.0, |next| values[next]) - values[at]
+    };
+    let steps: Vec<f64> = (0..values.len()).map(step).collect();
     let slope = Tail::of(&steps, masked, cut_off).noise;
     let roughness = if tail.noise > 0.0 { slope / tail.noise } else { 0.0 };
     let elements = values.len() as f64 * roughness * roughness;

@@ -89,7 +89,7 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
             let value = values[at];
             taken[at] = Some(table.len());
             hosts.push(table.len());
-            let centre = vertex(image, at);
+            let centre = vertex(image, at, judge);
             table.push(Region { peak: at, value, area: 1, sum: value, centre, plateau: false, divided: None });
             continue;
         };
@@ -154,6 +154,6 @@ fn stands_apart(
         && judge.exceeds(faint.value - saddle, noise.max(0.15 * saddle))
         && {
             let around = neighbours(faint.peak, width, image.height(), 8);
-            around.into_iter().chain([faint.peak]).filter(is_own).count() >= 3
+            around.into_iter().chain([faint.peak]).filter(is_own).count() >= 5
         }
 }

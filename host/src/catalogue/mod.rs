@@ -12,7 +12,7 @@ pub use columns::{Column, Setting, Value, columns};
 
 use crate::background::SkyMaps;
 use crate::input::{At, Input, Observed, Positions};
-use crate::measure::{Extras, Level, Measured, Neighbours, Scene, measure, measure_at, run_flags};
+use crate::measure::{Extras, Level, Measured, Scene, measure, measure_at, run_flags};
 use crate::picture::Zoom;
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;

@@ -161,7 +161,8 @@ impl Left {
     fn renumbered(&self, exact: &Regions) -> Regions {
         let mut place: Vec<Option<usize>> = vec![None; exact.table.len()];
         let mut taken = vec![false; exact.table.len()];
-        let peaks: HashMap<usize, usize> = exact.table.iter().enumerate().map(|(at, region)| (region.peak, at)).collect();
+        let peaks: HashMap<usize, usize> =
+            exact.table.iter().enumerate().map(|(at, region)| (region.peak, at)).collect();
         for (at, core) in self.regions.iter().enumerate().take(taken.len()) {
             if let Some(&own) = peaks.get(&core.peak) {
                 (place[own], taken[at]) = (Some(at), true);
@@ -462,9 +463,8 @@ impl Walk {
         let (sharp, off) = self.sharpened(&before.fine, 1.5, self.asked.sharpening);
         self.plane("sharpened", &after.fine, &sharp, &off);
         let inside = self.inside(before);
-        let run = |judge: &Judge| {
-            after.renumbered(&reference::tree(&after.fine, &inside, self.photon, &self.asked, judge))
-        };
+        let run =
+            |judge: &Judge| after.renumbered(&reference::tree(&after.fine, &inside, self.photon, &self.asked, judge));
         self.regions = reference::nearest(self.slack(), run, |regions| after.apart(regions));
         self.notes.count("tree", after.apart(&self.regions));
         let pairs = self.regions.table.iter().zip(&after.regions).filter(|(exact, _)| exact.area >= 3);

@@ -71,9 +71,28 @@ pub enum Error<E = core::convert::Infallible> {
         /// What it cannot do, and why.
         reason: &'static str,
     },
-    /// The configuration's method is significance: that is [`crate::run::detect::detect`], no front of a
-    /// [`crate::run::segmenter::Segmenter`].
-    Method,
+    /// Two choices that cannot go together.
+    Together {
+        /// A choice.
+        choice: &'static str,
+        /// What was chosen.
+        value: &'static str,
+        /// The other choice.
+        other: &'static str,
+        /// What it would have to be.
+        wanted: &'static str,
+    },
+    /// The front of [`Scheme::Region`](crate::config::Scheme::Region) starts from signal-to-noise: it is
+    /// moved by [`crate::run::extract`], not by a [`crate::run::segmenter::Segmenter`]; and other fronts
+    /// the other way round.
+    Front {
+        /// The scheme.
+        scheme: &'static str,
+        /// What moves it.
+        mover: &'static str,
+    },
+    /// The frame is a part of an image whose other parts have yet to answer (see [`crate::plane::part`]).
+    Waiting,
     /// The memory between two polls is not what the pipeline left there.
     Corrupted {
         /// Which plane or table.
@@ -97,7 +116,9 @@ impl<E> Error<E> {
             Error::NoSky { defined, needed } => Error::NoSky { defined, needed },
             Error::NoNoise { value, equal, defined } => Error::NoNoise { value, equal, defined },
             Error::Arithmetic { name, reason } => Error::Arithmetic { name, reason },
-            Error::Method => Error::Method,
+            Error::Together { choice, value, other, wanted } => Error::Together { choice, value, other, wanted },
+            Error::Front { scheme, mover } => Error::Front { scheme, mover },
+            Error::Waiting => Error::Waiting,
             Error::Corrupted { name } => Error::Corrupted { name },
             Error::Frame(error) => Error::Frame(frame(error)),
         }
@@ -132,7 +153,11 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
                 write!(f, "{equal} of {defined} defined pixels equal {value}: there is no noise to measure")
             }
             Error::Arithmetic { name, reason } => write!(f, "arithmetic {name}: {reason}"),
-            Error::Method => f.write_str("the method is significance, which is `detect`; a segmenter moves a front"),
+            Error::Together { choice, value, other, wanted } => {
+                write!(f, "{choice} {value} needs {other} {wanted}")
+            }
+            Error::Front { scheme, mover } => write!(f, "the front of the scheme {scheme} is moved by {mover}"),
+            Error::Waiting => f.write_str("the other parts of the image have yet to answer"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),
             Error::Frame(error) => write!(f, "reading the frame: {error}"),
         }

@@ -1,7 +1,7 @@
 //! Sky background and noise at every pixel, from the core's mesh.
 
 use skyfront_core::plane::sort::{Keys, SAMPLES};
-use skyfront_core::sky::{Mesh, Seen, Sky, Values, cell_pixels, mesh_cells};
+use skyfront_core::sky::{CELL, Mesh, Seen, Sky, Values, cell_pixels, mesh_cells};
 
 /// Maps of one shape, row-major, in units of the image; NaN where nothing is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,21 +13,19 @@ pub struct SkyMaps {
 }
 
 impl SkyMaps {
-    /// The maps of a measured mesh, in planes that are there already.
-    pub fn of(mesh: &Mesh<'_>, width: usize, planes: [Vec<f32>; 2]) -> SkyMaps {
+    /// The maps of a measured mesh, in planes that are there already, from a column and row of the mesh's frame on.
+    pub fn of(mesh: &Mesh<'_>, width: usize, (left, bottom): (usize, usize), planes: [Vec<f32>; 2]) -> SkyMaps {
         let [mut level, mut noise] = planes;
-        for (at, (level, noise)) in level.iter_mut().zip(&mut noise).enumerate() {
-            let sky = mesh.at(at % width, at / width);
-            (*level, *noise) = (sky.level, sky.noise);
-        }
+        let rows = level.chunks_mut(width.max(1)).zip(noise.chunks_mut(width.max(1)));
+        rows.enumerate().for_each(|(y, (level, noise))| mesh.along(left, bottom + y, level, noise));
         SkyMaps { level, noise }
     }
 
     /// Measures the sky of an image where `masked` (of the same shape, or empty) is not true.
     pub fn measure(pixels: &[f32], masked: &[bool], width: usize) -> SkyMaps {
         let size = (width, pixels.len() / width.max(1));
-        let mut cells = vec![Sky::UNKNOWN; mesh_cells(size.0, size.1)];
-        let room = cell_pixels(size.0, size.1).max(pixels.len().min(SAMPLES));
+        let mut cells = vec![Sky::UNKNOWN; mesh_cells(size.0, size.1, CELL)];
+        let room = cell_pixels(size.0, size.1, CELL).max(pixels.len().min(SAMPLES));
         let [mut keys, mut spare] = [(); 2].map(|()| vec![0; room]);
         let mut keys = Keys(&mut keys, &mut spare);
         let values = Values::measure(pixels, width, |_| true, keys.again());
@@ -36,9 +34,9 @@ impl SkyMaps {
             (true, Some(true)) => Seen::Source,
             (true, _) => Seen::Sky,
         };
-        let mut mesh = Mesh::blank(&mut cells, size);
+        let mut mesh = Mesh::blank(&mut cells, size, CELL);
         mesh.measure(pixels, seen, &values, keys);
-        SkyMaps::of(&mesh, width, [(); 2].map(|()| vec![0.0; pixels.len()]))
+        SkyMaps::of(&mesh, width, (0, 0), [(); 2].map(|()| vec![0.0; pixels.len()]))
     }
 
     /// The same where `labels` are 0.

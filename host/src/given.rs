@@ -1,7 +1,7 @@
 //! A run over a label map or places that are given: nothing is found, only measured.
 
 use crate::background::SkyMaps;
-use crate::detection::shown;
+use crate::extraction::shown;
 use crate::input::Input;
 use crate::nothing::without_front;
 use crate::pipeline::{Segmentation, StagePlanes};

@@ -1,6 +1,6 @@
 //! What a user must know of the values of an image, and of its sky, to judge the sources found on it.
 
-use skyfront_core::run::detect::Found;
+use skyfront_core::run::extract::Found;
 
 /// The remarks on a run over `pixels` pixels.
 pub fn on(found: &Found, pixels: usize) -> Vec<String> {
@@ -52,7 +52,17 @@ mod tests {
     use skyfront_core::sky::{Survey, Values};
 
     fn found(values: Values, survey: Survey) -> Found {
-        Found { sources: 0, mask_pixels: 0, unlabelled: 0, significance: 5.0, photon: 0.0, values, survey }
+        Found {
+            sources: 0,
+            mask_pixels: 0,
+            unlabelled: 0,
+            regions: 0,
+            unreached: 0,
+            significance: 5.0,
+            photon: 0.0,
+            values,
+            survey,
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Scores of a segmentation against the truth, after Haigh et al. 2021 (A&A 645, A107), and
 //! panoptic quality.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// The measures of one label map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,28 @@ pub struct Score {
     pub mean_iou: f64,
     /// Panoptic quality.
     pub panoptic: f64,
+}
+
+impl Score {
+    /// The measures by their names in the paper and in its program.
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "n_truth": self.objects,
+            "n_seg": self.segments,
+            "tp": self.matched,
+            "fp": self.segments - self.matched,
+            "fn": self.objects - self.matched,
+            "completeness": self.completeness,
+            "purity": self.purity,
+            "f_score": self.f_score,
+            "um": self.under_merging,
+            "om": self.over_merging,
+            "area_score": 1.0 - self.under_merging.hypot(self.over_merging),
+            "combined": self.combined,
+            "mean_iou": self.mean_iou,
+            "pq": self.panoptic,
+        })
+    }
 }
 
 /// Labels above 0 as 1 to n in increasing order; others 0.
@@ -74,7 +96,7 @@ pub fn score(truth: &[i64], map: &[i64], image: &[f32]) -> Score {
     let pixels = truth.len() as f64;
     let under_merging = merging(&overlaps, &object_area, false) / pixels;
     let over_merging = merging(&overlaps, &segment_area, true) / pixels;
-    let mut finder: HashMap<usize, (usize, usize)> = HashMap::new();
+    let mut finder: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
     for (object, &peak) in peaks.iter().enumerate().skip(1) {
         let Some(peak) = peak.filter(|&peak| map[peak] > 0) else { continue };
         let known = finder.entry(map[peak]).or_insert((object, peak));

@@ -1,10 +1,36 @@
 //! The truth of a simulated sky: which object owns which pixel (after Haigh et al. 2021,
 //! doi:10.1051/0004-6361/201936561).
 
-use skyfront_core::simulate::Sky;
+use crate::read::{Header, Image};
+use skyfront_core::run::frame::Frame;
+use skyfront_core::simulate::{Kind, Sky};
 
 /// Objects that own fewer pixels are none.
 const LEAST_PIXELS: usize = 3;
+
+/// A simulated sky as an image without header.
+pub fn simulated(kind: Kind, seed: u32, width: usize, height: usize) -> (Image, Sky) {
+    let mut sky = Sky::new(kind, seed, width, height);
+    let mut pixels = vec![0.0f32; width * height];
+    for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
+        let Ok(()) = sky.row(y, row);
+    }
+    let mut digest = crc32fast::Hasher::new();
+    pixels.iter().for_each(|pixel| digest.update(&pixel.to_le_bytes()));
+    let image = Image {
+        width,
+        height,
+        pixels,
+        header: Header::default(),
+        primary: Header::default(),
+        hdu: 0,
+        name: None,
+        bitpix: -32,
+        checksum: digest.finalize(),
+        warnings: Vec::new(),
+    };
+    (image, sky)
+}
 
 /// Labels, row-major, 0 = background: a pixel belongs to the object with the most light there, each
 /// taken alone and without noise, if that is more than one standard deviation of the noise. The

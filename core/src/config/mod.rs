@@ -1,15 +1,15 @@
 //! What a run is to do: immutable, validated once, with the paper's values as defaults.
 
-pub mod detection;
 mod parameter;
+mod sources;
 mod table;
 mod validate;
 
 pub use parameter::{End, Forms, Need, Numbers, Parameter, Range, Step, Value, Word};
+pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, part_area};
 pub use table::PARAMETERS;
 
 use crate::arithmetic::digest::Digest;
-use crate::config::detection::Detection;
 
 /// Step 1: how pixel values become numbers in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,6 +91,31 @@ pub enum Filter {
         /// The gradient at which diffusion falls off, in image units (0 to 1) per `dx`.
         mu: f32,
     },
+    /// The median of 3 x 3 pixels ([`crate::image::median`]).
+    Median,
+    /// Signal-to-noise smoothed by a Gaussian of 0.8 pixels ([`crate::sky`]).
+    Gauss,
+    /// The same, and more where nothing significant is lost by it.
+    Adaptive,
+}
+
+impl Filter {
+    /// The name of its step, by which the costs of a step are told; none for those that do not go over
+    /// the image plane in steps.
+    pub const fn step_name(self) -> &'static str {
+        match self {
+            Filter::None | Filter::Gauss | Filter::Adaptive => "none",
+            Filter::Heat => "heat",
+            Filter::Median => "median",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
+        }
+    }
+
+    /// Whether it goes over the image plane in steps.
+    pub const fn is_stepped(self) -> bool {
+        !matches!(self, Filter::None | Filter::Gauss | Filter::Adaptive)
+    }
 }
 
 /// The diffusion coefficient of Perona-Malik, with `s = |grad I| / mu`.
@@ -131,6 +156,9 @@ pub enum Edge {
 /// Step 5: the scheme that moves the front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
+    /// A front that starts where signal-to-noise crosses a threshold, with that as its force
+    /// ([`crate::front::outline`]).
+    Region,
     /// Finite differences, first order (`DFg`).
     Fd,
     /// Finite differences with curvature (`DFgk`).
@@ -151,7 +179,8 @@ pub enum Scheme {
 
 impl Scheme {
     /// Every scheme.
-    pub const ALL: [Scheme; 7] = [
+    pub const ALL: [Scheme; 8] = [
+        Scheme::Region,
         Scheme::Fd,
         Scheme::Sl,
         Scheme::FdCurvature,
@@ -164,6 +193,7 @@ impl Scheme {
     /// Its name among the parameters.
     pub const fn name(self) -> &'static str {
         match self {
+            Scheme::Region => "region",
             Scheme::Fd => "fd",
             Scheme::Sl => "sl",
             Scheme::FdCurvature => "fd-curvature",
@@ -242,6 +272,8 @@ impl Connectivity {
 /// Everything a run depends on. Lengths are in the paper's unit, in which a pixel measures `dx`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
+    /// How sky and noise are known; with them the run is on signal-to-noise.
+    pub sky: Background,
     /// Step 1.
     pub normalize: Normalize,
     /// Step 2.
@@ -284,13 +316,20 @@ pub struct Config {
     pub start: Start,
     /// The front is held in pixels and saturated to this half-width, or `None` for the paper's `u0`.
     pub band: Option<f32>,
+    /// The outline of a run on signal-to-noise.
+    pub outline: Outline,
+    /// How outlined pixels become sources.
+    pub separate: Separate,
+    /// When the parts of a blend are sources of their own.
+    pub deblending: Deblending,
     /// Which pixels of a source touch.
     pub connectivity: Connectivity,
-    /// Smaller components are dropped; pixels, at least 1.
+    /// Which sources are kept.
+    pub select: Select,
+    /// Smaller sources are dropped; pixels, at least 1.
     pub min_area: u32,
-    /// The noise-aware segmentation of [`crate::run::detect::detect`] in place of steps 1 to 6,
-    /// or `None` for those steps, which are all that [`crate::run::segmenter::Segmenter`] does.
-    pub detection: Option<Detection>,
+    /// What noise alone would not make.
+    pub significance: Significance,
 }
 
 /// The largest number of steps a front may take.
@@ -299,6 +338,7 @@ pub const MAX_STEPS: u32 = 100_000;
 impl Config {
     /// Test 1 of the paper at its best: `r3` with beta = 8, heat filter, `g2mod`, `DFg`.
     pub const PAPER_F160: Config = Config {
+        sky: Background::None,
         normalize: Normalize::MinMax,
         rescale: Rescale::R3 { beta: 8, tau: Tau::Otsu },
         filter: Filter::Heat,
@@ -320,13 +360,32 @@ impl Config {
         stop: Stop::Paper,
         start: Start::Frame,
         band: None,
+        outline: Outline::DEFAULT,
+        separate: Separate::Components,
+        deblending: Deblending::DEFAULT,
         connectivity: Connectivity::Eight,
+        select: Select::Area,
         min_area: 1,
-        detection: None,
+        significance: Significance::DEFAULT,
     };
 
-    /// The default: sources by their significance, one setting for every kind of sky.
-    pub const NOISE_AWARE: Config = Config { detection: Some(Detection::DEFAULT), ..Config::PAPER_F160 };
+    /// The default: signal-to-noise outlined by a front from the threshold, divided by the tree of
+    /// level sets, and kept by its significance; one setting for every kind of sky.
+    pub const NOISE_AWARE: Config = Config { scheme: Scheme::Region, ..Config::RSA };
+
+    /// The paper's front with what the default knows: its sky, its filter, its separation and its
+    /// selection.
+    pub const RSA: Config = Config {
+        sky: Background::Mesh { size: 64 },
+        normalize: Normalize::Noise { below: 3.0, above: 30.0 },
+        rescale: Rescale::R3 { beta: 8, tau: Tau::Noise { k: 3.0 } },
+        filter: Filter::Adaptive,
+        start: Start::Threshold { margin: 1.0 },
+        separate: Separate::Tree,
+        select: Select::Significance,
+        min_area: 6,
+        ..Config::PAPER_F160
+    };
 
     /// Test 2 of the paper at its best: `r1`, then Perona-Malik (longer), `g2mod`, `DFg`. The other
     /// figures of that test filter by the heat equation, before they rescale.
@@ -357,7 +416,7 @@ impl Config {
     /// for Chan and Vese, in which one step moves a pixel of contrast 0.5 across the band.
     pub fn paper_dt(scheme: Scheme, dx: f32) -> f32 {
         match scheme {
-            Scheme::Fd | Scheme::FdFiltered | Scheme::FastMarching => dx / 4.0,
+            Scheme::Region | Scheme::Fd | Scheme::FdFiltered | Scheme::FastMarching => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
             Scheme::ChanVese => 8.0,
@@ -407,7 +466,7 @@ impl Config {
 
     /// Whether the front has to come from the frame's border.
     fn crosses_frame(&self) -> bool {
-        self.start == Start::Frame && self.scheme != Scheme::ChanVese
+        self.start == Start::Frame && !matches!(self.scheme, Scheme::ChanVese | Scheme::Region)
     }
 
     /// So many pixels from the border begins what no front can reach by `t_max`, whose speed is 1

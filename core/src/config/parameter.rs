@@ -1,7 +1,6 @@
 //! What a parameter is: its name, its values and their bounds, and the choices that use it.
 
 use super::Config;
-use super::table::PARAMETERS;
 use crate::arithmetic::digest::Digest;
 use crate::error::Error;
 use core::fmt;
@@ -9,10 +8,8 @@ use core::fmt;
 /// A step of a run, in the order of the steps: parameters are listed by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Step {
-    /// How sources are found.
-    Method,
-    /// What belongs to sources, by significance.
-    Outline,
+    /// Sky and noise, and what stands out of them.
+    Sky,
     /// Pixel values become numbers in [0, 1].
     Normalize,
     /// Intensities are rescaled.
@@ -33,13 +30,12 @@ impl Step {
     /// Its heading in a list of parameters.
     pub const fn title(self) -> &'static str {
         match self {
-            Step::Method => "Method",
-            Step::Outline => "Outlines (--method significance)",
-            Step::Normalize => "Normalisation (--method rescaling)",
-            Step::Rescale => "Rescaling (--method rescaling)",
-            Step::Filter => "Filter (--method rescaling)",
-            Step::Speed => "Edge detector (--method rescaling)",
-            Step::Front => "Front (--method rescaling)",
+            Step::Sky => "Sky and threshold",
+            Step::Normalize => "Normalisation",
+            Step::Rescale => "Rescaling",
+            Step::Filter => "Filter",
+            Step::Speed => "Edge detector",
+            Step::Front => "Front",
             Step::Separate => "Separation of sources",
             Step::Select => "Selection of sources",
         }
@@ -254,11 +250,6 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The parameter of that name.
-    pub fn named(name: &str) -> Option<&'static Parameter> {
-        PARAMETERS.iter().find(|parameter| parameter.name == name)
-    }
-
     /// Its value in a configuration, where there is one.
     #[inline(always)]
     pub fn get(&self, config: &Config) -> Option<Value> {
@@ -276,7 +267,7 @@ impl Parameter {
 
     /// Gives it a value; what a choice has not been told yet takes its defaults. Nothing happens
     /// where the configuration has no such value, or the value is of another kind. Set parameters
-    /// in the order of [`PARAMETERS`], then validate the configuration.
+    /// in the order of [`PARAMETERS`](super::PARAMETERS), then validate the configuration.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a whole number out of bounds; others are checked with the whole.
@@ -333,34 +324,6 @@ impl Parameter {
         digest.bytes(&[1]);
         digest.bytes(&first.to_le_bytes());
         digest.bytes(&second.to_le_bytes());
-    }
-
-    /// The first choice of a configuration that leaves this parameter unused.
-    pub fn unmet(&self, config: &Config) -> Option<&'static Need> {
-        self.needs.iter().find(|need| {
-            let word = Parameter::named(need.name).and_then(|other| other.get(config)).and_then(|value| value.word);
-            word.is_none_or(|word| !need.words.contains(&word))
-        })
-    }
-
-    /// `config` with the choices that this parameter needs, each the first that serves.
-    pub fn at_work(&self, config: &Config) -> Config {
-        let mut config = *config;
-        for need in self.needs {
-            if self.unmet(&config) == Some(need)
-                && let (Some(other), Some(&word)) = (Parameter::named(need.name), need.words.first())
-                && let Some(value) = other.parse(word)
-            {
-                // Words are never out of bounds.
-                let _ = other.set(&mut config, value);
-            }
-        }
-        config
-    }
-
-    /// Its value where nothing is said: that of the default's steps, or of the choices it needs.
-    pub fn default(&self) -> Option<Value> {
-        self.get(&self.at_work(&Config::NOISE_AWARE))
     }
 
     /// Reads a value, as [`Value`] writes it; `None` where it has no such form.

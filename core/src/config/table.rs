@@ -2,15 +2,14 @@
 //!
 //! From it follow the checks and their messages, the digest in snapshots, and on a host the options,
 //! the keys of configuration files, the headers of results and the manual. A new setting is a field
-//! of [`Config`] or of [`Detection`] and an entry here.
+//! of [`Config`] and an entry here.
 
 use super::parameter::{Access, Bounds, End, Need, Numbers, Parameter, Range, Slot, Step, Value, Word, word};
 use super::{
-    Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Normalize, Order, Rescale, Scheme,
-    Start, Stop, Tau,
+    Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Normalize, Order, Rescale,
+    Scheme, Select, Separate, Start, Stop, Tau,
 };
 use crate::arithmetic::digest::Digest;
-use crate::config::detection::Detection;
 use crate::error::Error;
 use Slot::{Long, Real, Short};
 
@@ -37,12 +36,16 @@ macro_rules! table {
 }
 
 table![
-    choice("method", "SFMETHOD", METHODS, method, set_method)
-        .at(Step::Method, &[])
+    choice("sky", "SFSKY", SKIES, sky, set_sky)
+        .at(Step::Sky, &[])
         .common()
-        .help("How sources are found."),
-    real("threshold", "SFTHRESH", |c| Some(Real(&mut detection(c)?.outline)))
-        .at(Step::Outline, &[BY_SIGNIFICANCE])
+        .ranges_by(|_| [Range::within(16.0, 4096.0); 2])
+        .help(
+            "How sky and noise are measured. With them the run is on signal-to-noise, with none on pixel \
+             values, as the paper's is.",
+        ),
+    real("threshold", "SFTHRESH", |c| Some(Real(&mut c.outline.threshold)))
+        .at(Step::Sky, &[ON_SIGNAL])
         .common()
         .unit("sigma")
         .range(Range::within(0.1, 100.0))
@@ -50,27 +53,18 @@ table![
             "Detection threshold, in standard deviations of a pixel's noise above the sky. Outlines lie \
              where the smoothed image reaches it.",
         ),
-    whole("outline-steps", "SFOSTEPS", |c| Some(Long(&mut detection(c)?.front_steps)))
-        .at(Step::Outline, &[BY_SIGNIFICANCE])
-        .range(Range::within(0.0, 1000.0))
-        .help("Steps of the front that starts where the smoothed image reaches the threshold; 0 leaves it there."),
-    real("outline-curvature", "SFOCURV", |c| Some(Real(&mut detection(c)?.curvature)))
-        .at(Step::Outline, &[BY_SIGNIFICANCE])
-        .unit("px sigma")
-        .range(Range::within(0.0, 1.0))
-        .help("Weight of that front's curvature: how smooth the outlines are."),
     choice("dx", "SFDX", &[], |c| Some(Value::of(Numbers::One(c.dx))), set_dx)
         .numbers(Numbers::One(0.0))
-        .at(Step::Normalize, &[BY_RESCALING])
+        .at(Step::Normalize, &[BY_PAPER])
         .range(Range::above(0.0, End::At(1e3)))
         .help("Width of a pixel in the paper's unit of length, that of gradients and of the front's way."),
     choice("normalize", "SFNORM", NORMALIZATIONS, normalize, set_normalize)
-        .at(Step::Normalize, &[BY_RESCALING])
+        .at(Step::Normalize, &[BY_PAPER])
         .ranges_by(|_| [Range::within(0.0, 1e6), Range::above(0.0, End::At(1e6))])
         .help("How pixel values become numbers in [0, 1]."),
     choice("range", "SFRANGE", &[], range, set_range)
         .numbers(Numbers::Two(0.0, 0.0))
-        .at(Step::Normalize, &[BY_RESCALING, Need { name: "normalize", words: &["percentile"] }])
+        .at(Step::Normalize, &[BY_PAPER, Need { name: "normalize", words: &["percentile"] }])
         .unit("%")
         .ranges_by(|c| {
             let low = if let Normalize::Percentile { low, .. } = c.normalize { low } else { 0.0 };
@@ -78,25 +72,25 @@ table![
         })
         .help("Percentiles of the pixel values that become 0 and 1."),
     choice("rescale", "SFRESC", RESCALINGS, rescale, set_rescale)
-        .at(Step::Rescale, &[BY_RESCALING])
+        .at(Step::Rescale, &[BY_PAPER])
         .help("Rescaling of intensities, which lifts faint sources above the sky."),
     real("alpha", "SFALPHA", |c| match &mut c.rescale {
         Rescale::R1 { alpha } | Rescale::R2 { alpha } => Some(Real(alpha)),
         Rescale::R3 { .. } | Rescale::None => None,
     })
-    .at(Step::Rescale, &[BY_RESCALING, Need { name: "rescale", words: &["r1", "r2"] }])
+    .at(Step::Rescale, &[BY_PAPER, Need { name: "rescale", words: &["r1", "r2"] }])
     .range(Range::above(0.0, End::Beyond(1.0)))
     .help("Exponent of r1 and r2; the smaller, the more faint light is lifted."),
     whole("beta", "SFBETA", |c| match &mut c.rescale {
         Rescale::R3 { beta, .. } => Some(Short(beta)),
         _ => None,
     })
-    .at(Step::Rescale, &[BY_RESCALING, BY_R3])
+    .at(Step::Rescale, &[BY_PAPER, BY_R3])
     .range(Range::within(1.0, 65_535.0))
     .help("Exponent of r3; the greater, the steeper the passage at tau."),
     choice("tau", "SFTAU", THRESHOLDS, tau, set_tau)
         .numbers(Numbers::One(0.0))
-        .at(Step::Rescale, &[BY_RESCALING, BY_R3])
+        .at(Step::Rescale, &[BY_PAPER, BY_R3])
         .ranges_by(|c| match c.rescale {
             Rescale::R3 { tau: Tau::Noise { .. }, .. } => [Range::above(0.0, End::At(1e3)); 2],
             _ => [Range::above(0.0, End::Beyond(1.0)); 2],
@@ -105,96 +99,102 @@ table![
             "Where r3 begins to lift light: found by a rule in the image that is rescaled, or a value \
              between 0 and 1.",
         ),
-    choice("filter", "SFFILTER", FILTERS, filter, set_filter)
-        .at(Step::Filter, &[BY_RESCALING])
-        .help("How noise is smoothed away."),
+    choice("filter", "SFFILTER", FILTERS, filter, set_filter).at(Step::Filter, &[]).help("How noise is smoothed away."),
     whole("filter-steps", "SFFSTEPS", |c| Some(Short(&mut c.filter_steps)))
-        .at(Step::Filter, &[BY_RESCALING, FILTERED])
+        .at(Step::Filter, &[BY_PAPER, FILTERED])
         .range(Range::within(0.0, 1000.0))
         .help("Steps of the filter."),
     real("filter-dt", "SFFDT", |c| Some(Real(&mut c.filter_dt)))
-        .at(Step::Filter, &[BY_RESCALING, FILTERED])
+        .at(Step::Filter, &[BY_PAPER, DIFFUSED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.dx * c.dx / 4.0)); 2])
         .help("Time step of the filter, at most dx^2/4."),
     choice("pm", "SFPM", DIFFUSIVITIES, diffusivity, set_diffusivity)
-        .at(Step::Filter, &[BY_RESCALING, PERONA_MALIK])
+        .at(Step::Filter, &[BY_PAPER, PERONA_MALIK])
         .help("Diffusion coefficient of Perona and Malik, of s = |grad I| / mu."),
     real("pm-mu", "SFPMMU", |c| match &mut c.filter {
         Filter::PeronaMalik { mu, .. } => Some(Real(mu)),
         _ => None,
     })
-    .at(Step::Filter, &[BY_RESCALING, PERONA_MALIK])
+    .at(Step::Filter, &[BY_PAPER, PERONA_MALIK])
     .range(Range::above(0.0, End::At(1e6)))
     .help(
         "Gradient at which Perona and Malik's filter stops smoothing, of values in [0, 1] per dx. The \
          paper's 30 is nearly the heat filter; 2 keeps edges.",
     ),
     choice("order", "SFORDER", ORDERS, order, set_order)
-        .at(Step::Filter, &[BY_RESCALING, Need { name: "rescale", words: &["r1", "r2", "r3"] }, FILTERED])
+        .at(Step::Filter, &[BY_PAPER, Need { name: "rescale", words: &["r1", "r2", "r3"] }, FILTERED])
         .help("Whether to rescale or to filter first."),
     choice("edge", "SFEDGE", EDGES, edge, set_edge)
-        .at(Step::Speed, &[BY_RESCALING, EDGE_HELD])
+        .at(Step::Speed, &[EDGE_HELD])
         .help("Edge detector, the speed of the front: 1 in flat places, 0 on edges."),
     real("p", "SFP", |c| if let Edge::G1 { p } = &mut c.edge { Some(Real(p)) } else { None })
-        .at(Step::Speed, &[BY_RESCALING, EDGE_HELD, Need { name: "edge", words: &["g1"] }])
+        .at(Step::Speed, &[EDGE_HELD, Need { name: "edge", words: &["g1"] }])
         .range(Range::within(1.0, 1e6))
         .help("Exponent of g1."),
     real("c2", "SFC2", |c| if let Edge::G2Mod { c2 } = &mut c.edge { Some(Real(c2)) } else { None })
-        .at(Step::Speed, &[BY_RESCALING, EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
+        .at(Step::Speed, &[EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
         .range(Range { least: End::At(0.0), most: End::Beyond(1.0) })
         .help("Constant of g2mod: the front is held where g2 is below it."),
     choice("scheme", "SFSCHEME", SCHEMES, |c| Some(Value::word(c.scheme.name())), set_scheme)
-        .at(Step::Front, &[BY_RESCALING])
+        .at(Step::Front, &[])
+        .common()
         .help("Scheme that moves the front."),
+    whole("outline-steps", "SFOSTEPS", |c| Some(Long(&mut c.outline.steps)))
+        .at(Step::Front, &[BY_REGION])
+        .range(Range::within(0.0, 1000.0))
+        .help("Steps of the front that starts where the smoothed image reaches the threshold; 0 leaves it there."),
+    real("outline-curvature", "SFOCURV", |c| Some(Real(&mut c.outline.curvature)))
+        .at(Step::Front, &[BY_REGION])
+        .unit("px sigma")
+        .range(Range::within(0.0, 1.0))
+        .help("Weight of that front's curvature: how smooth the outlines are."),
     real("nu", "SFNU", |c| Some(Real(&mut c.nu)))
-        .at(Step::Front, &[BY_RESCALING, BENT])
+        .at(Step::Front, &[BENT])
         .ranges_by(|c| [Range { least: End::At(0.0), most: End::About(c.greatest_nu()) }; 2])
         .help("Weight of the curvature."),
     choice("curvature-form", "SFCURV", CURVATURE_FORMS, curvature_form, set_curvature_form)
-        .at(Step::Front, &[BY_RESCALING, BENT])
+        .at(Step::Front, &[BENT])
         .help("Form of the averages in the curvature."),
     real("degenerate", "SFDEGEN", |c| Some(Real(&mut c.degenerate)))
-        .at(Step::Front, &[BY_RESCALING, FLATTENED])
+        .at(Step::Front, &[FLATTENED])
         .range(Range::above(0.0, End::At(1e3)))
         .help("Slope of the front, times dx, up to which it counts as flat where its curvature is taken."),
     choice("directions", "SFDIRS", DIRECTIONS, directions, set_directions)
-        .at(Step::Front, &[BY_RESCALING, Need { name: "scheme", words: &["sl", "sl-curvature"] }])
+        .at(Step::Front, &[Need { name: "scheme", words: &["sl", "sl-curvature"] }])
         .help("Directions of the semi-Lagrangian minimum."),
     real("mu", "SFMU", |c| Some(Real(&mut c.chan_vese.mu)))
-        .at(Step::Front, &[BY_RESCALING, CHAN_VESE])
+        .at(Step::Front, &[CHAN_VESE])
         .range(Range::within(0.0, 10.0))
         .help(
             "Weight of the contour's length, in squared image units times the paper's unit of length. \
              (That of Perona and Malik is pm-mu.)",
         ),
     real("lambda1", "SFLAMB1", |c| Some(Real(&mut c.chan_vese.lambda1)))
-        .at(Step::Front, &[BY_RESCALING, CHAN_VESE])
+        .at(Step::Front, &[CHAN_VESE])
         .range(Range::above(0.0, End::At(10.0)))
         .help("Weight of the variance inside."),
     real("lambda2", "SFLAMB2", |c| Some(Real(&mut c.chan_vese.lambda2)))
-        .at(Step::Front, &[BY_RESCALING, CHAN_VESE])
+        .at(Step::Front, &[CHAN_VESE])
         .range(Range::above(0.0, End::At(10.0)))
         .help("Weight of the variance outside."),
-    choice("start", "SFSTART", STARTS, start, set_start)
-        .at(Step::Front, &[BY_RESCALING])
-        .help("Where the front starts."),
+    choice("start", "SFSTART", STARTS, start, set_start).at(Step::Front, &[BY_PAPER]).help("Where the front starts."),
     real("margin", "SFMARGIN", |c| match &mut c.start {
         Start::Threshold { margin } => Some(Real(margin)),
         _ => None,
     })
-    .at(Step::Front, &[BY_RESCALING, Need { name: "start", words: &["threshold", "map"] }])
+    .at(Step::Front, &[BY_PAPER, Need { name: "start", words: &["threshold", "map"] }])
     .unit("px")
     .range(Range::within(1.0, 100.0))
     .help("Distance from the outline of the threshold or the map to the front that starts there."),
     real("dt", "SFDT", |c| Some(Real(&mut c.dt)))
-        .at(Step::Front, &[BY_RESCALING, STEPPED])
+        .at(Step::Front, &[STEPPED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.longest_step())); 2])
         .help(
             "Time step of the front. It follows from scheme and dx: dx/4 for fd and fd-filtered, dx^2 for \
              fd-curvature, dx for sl and sl-curvature, 8 for chan-vese.",
         ),
     real("t-max", "SFTMAX", |c| Some(Real(&mut c.t_max)))
-        .at(Step::Front, &[BY_RESCALING])
+        .at(Step::Front, &[BY_PAPER])
         .ranges_by(|c| [Range::above(0.0, End::At(c.dt * MAX_STEPS as f32)); 2])
         .help(
             "The front is given up at this time. Not given, it is at least 5/3 of the image's shorter side \
@@ -202,7 +202,7 @@ table![
         ),
     choice("band", "SFBAND", &[word("none", "")], band, set_band)
         .numbers(Numbers::One(0.0))
-        .at(Step::Front, &[BY_RESCALING, NEAR_FRONT])
+        .at(Step::Front, &[NEAR_FRONT])
         .unit("px")
         .range(Range::within(2.0, 1e4))
         .help(
@@ -210,58 +210,62 @@ table![
              it is the paper's front; 8 changes fewer than 0.2 % of the pixels.",
         ),
     real("eps-front", "SFEPSF", |c| Some(Real(&mut c.eps_front)))
-        .at(Step::Front, &[BY_RESCALING, NEAR_FRONT])
+        .at(Step::Front, &[NEAR_FRONT])
         .range(Range::above(0.0, End::At(1e6)))
         .help("Pixels with |u| up to here count as near the front."),
     real("eps", "SFEPS", |c| Some(Real(&mut c.eps)))
-        .at(Step::Front, &[BY_RESCALING, STEPPED])
+        .at(Step::Front, &[STEPPED])
         .range(Range::above(0.0, End::At(1e6)))
         .help("Tolerance of the stopping rule."),
     choice("stop", "SFSTOP", STOPS, stop, set_stop)
-        .at(Step::Front, &[BY_RESCALING, STEPPED])
+        .at(Step::Front, &[STEPPED])
         .help("When the front counts as stopped."),
+    choice("separate", "SFSEPAR", SEPARATIONS, separate, set_separate)
+        .at(Step::Separate, &[])
+        .help("How outlined pixels become sources."),
     choice("connectivity", "SFCONN", CONNECTIVITIES, connectivity, set_connectivity)
         .at(Step::Separate, &[])
         .common()
         .help("Which pixels of a source touch."),
-    real("deblend-contrast", "SFCONTR", |c| Some(Real(&mut detection(c)?.contrast)))
-        .at(Step::Separate, &[BY_SIGNIFICANCE])
+    real("deblend-contrast", "SFCONTR", |c| Some(Real(&mut c.deblending.contrast)))
+        .at(Step::Separate, &[BY_TREE])
         .common()
         .range(Range::within(0.0, 1.0))
         .help("Deblending contrast: least light of a source, as a part of its brighter neighbour's.",),
-    real("deblend-light", "SFBRANCH", |c| Some(Real(&mut detection(c)?.branch)))
-        .at(Step::Separate, &[BY_SIGNIFICANCE])
+    real("deblend-light", "SFBRANCH", |c| Some(Real(&mut c.deblending.branch)))
+        .at(Step::Separate, &[BY_TREE])
         .unit("sigma")
         .range(Range::within(0.0, 1e6))
         .help("Light above the saddle between two peaks that makes the fainter a source of its own."),
-    real("deblend-sharpening", "SFSHARP", |c| Some(Real(&mut detection(c)?.sharpening)))
-        .at(Step::Separate, &[BY_SIGNIFICANCE])
+    real("deblend-sharpening", "SFSHARP", |c| Some(Real(&mut c.deblending.sharpening)))
+        .at(Step::Separate, &[BY_TREE])
         .range(Range::within(0.0, 4.0))
         .help("How much the image is sharpened before it is divided into sources; 0 leaves it smooth."),
-    real("deblend-excess", "SFEXCESS", |c| Some(Real(&mut detection(c)?.excess)))
-        .at(Step::Separate, &[BY_SIGNIFICANCE])
+    real("deblend-excess", "SFEXCESS", |c| Some(Real(&mut c.deblending.excess)))
+        .at(Step::Separate, &[BY_TREE])
         .unit("sigma")
         .range(Range::within(0.0, 1e6))
         .help(
             "Light beyond that of a symmetric source from which pixels become another source: beyond the \
              mirrored light, in the noise of the lightly smoothed image.",
         ),
-    whole("deblend-area", "SFREOPEN", |c| Some(Long(&mut detection(c)?.reopened_area)))
-        .at(Step::Separate, &[BY_SIGNIFICANCE])
+    whole("deblend-area", "SFREOPEN", |c| Some(Long(&mut c.deblending.reopened_area)))
+        .at(Step::Separate, &[BY_TREE])
         .unit("px")
         .range(Range::within(1.0, 1e9))
         .help("Pixels with so much light that such a source needs."),
-    real("false-sources", "SFFALSE", |c| Some(Real(&mut detection(c)?.false_sources)))
+    choice("select", "SFSELECT", SELECTIONS, select, set_select).at(Step::Select, &[]).help("Which sources are kept."),
+    real("false-sources", "SFFALSE", |c| Some(Real(&mut c.significance.false_sources)))
         .at(Step::Select, &[BY_SIGNIFICANCE])
         .common()
         .unit("per image")
         .range(Range::within(0.001, 1000.0))
         .help("Peaks of pure noise that may be taken for sources in an image, on average."),
-    real("false-share", "SFSHARE", |c| Some(Real(&mut detection(c)?.false_share)))
+    real("false-share", "SFSHARE", |c| Some(Real(&mut c.significance.false_share)))
         .at(Step::Select, &[BY_SIGNIFICANCE])
         .range(Range::within(0.0, 0.5))
         .help("The share of the sources that may be such peaks, where that is more."),
-    real("min-peak", "SFPEAK", |c| Some(Real(&mut detection(c)?.peak)))
+    real("min-peak", "SFPEAK", |c| Some(Real(&mut c.significance.peak)))
         .at(Step::Select, &[BY_SIGNIFICANCE])
         .unit("thresholds")
         .range(Range::within(0.0, 100.0))
@@ -269,13 +273,12 @@ table![
             "Least peak of a source in the matched image, as a multiple of the threshold, even where the \
              noise would allow less.",
         ),
-    real("min-light", "SFLIGHT", |c| Some(Real(&mut detection(c)?.light)))
+    real("min-light", "SFLIGHT", |c| Some(Real(&mut c.significance.light)))
         .at(Step::Select, &[BY_SIGNIFICANCE])
         .unit("sigma")
         .range(Range::within(0.0, 1e6))
         .help("Least light of a source, the sum of its pixels."),
-    choice("min-area", "SFMINAR", &[], min_area, set_min_area)
-        .numbers(Numbers::Whole(1))
+    whole("min-area", "SFMINAR", |c| Some(Long(&mut c.min_area)))
         .at(Step::Select, &[])
         .common()
         .unit("px")
@@ -283,10 +286,54 @@ table![
         .help("Smallest area of a source."),
 ];
 
-const BY_SIGNIFICANCE: Need = Need { name: "method", words: &["significance"] };
-const BY_RESCALING: Need = Need { name: "method", words: &["rescaling"] };
+impl Parameter {
+    /// The parameter of that name.
+    pub fn named(name: &str) -> Option<&'static Parameter> {
+        PARAMETERS.iter().find(|parameter| parameter.name == name)
+    }
+
+    /// The first choice of a configuration that leaves this parameter unused.
+    pub fn unmet(&self, config: &Config) -> Option<&'static Need> {
+        self.needs.iter().find(|need| {
+            let word = Parameter::named(need.name).and_then(|other| other.get(config)).and_then(|value| value.word);
+            word.is_none_or(|word| !need.words.contains(&word))
+        })
+    }
+
+    /// `config` with the choices that this parameter needs, each the first that serves.
+    pub fn at_work(&self, config: &Config) -> Config {
+        let mut config = *config;
+        for need in self.needs {
+            if self.unmet(&config) == Some(need)
+                && let (Some(other), Some(&word)) = (Parameter::named(need.name), need.words.first())
+                && let Some(value) = other.parse(word)
+            {
+                // Words are never out of bounds.
+                let _ = other.set(&mut config, value);
+            }
+        }
+        config
+    }
+
+    /// Its value where nothing is said: that of the default's steps, or of the choices it needs.
+    pub fn default(&self) -> Option<Value> {
+        self.get(&self.at_work(&Config::NOISE_AWARE))
+    }
+}
+
+const ON_SIGNAL: Need = Need { name: "sky", words: &["mesh", "frame"] };
+const BY_REGION: Need = Need { name: "scheme", words: &["region"] };
+const BY_TREE: Need = Need { name: "separate", words: &["tree"] };
+const BY_SIGNIFICANCE: Need = Need { name: "select", words: &["significance"] };
+/// The paper's schemes, whose front moves over an image with values in [0, 1].
+const BY_PAPER: Need = Need {
+    name: "scheme",
+    words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "fast-marching"],
+};
 const BY_R3: Need = Need { name: "rescale", words: &["r3"] };
-const FILTERED: Need = Need { name: "filter", words: &["heat", "pm"] };
+const FILTERED: Need = Need { name: "filter", words: &["heat", "pm", "median"] };
+/// Those with a time step.
+const DIFFUSED: Need = Need { name: "filter", words: &["heat", "pm"] };
 const PERONA_MALIK: Need = Need { name: "filter", words: &["pm"] };
 const CHAN_VESE: Need = Need { name: "scheme", words: &["chan-vese"] };
 const BENT: Need = Need { name: "scheme", words: &["fd-curvature", "sl-curvature"] };
@@ -301,17 +348,14 @@ const STEPPED: Need =
 /// Schemes in which only what is near the front moves and tells whether it has stopped.
 const NEAR_FRONT: Need = Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered"] };
 
-const METHODS: &[Word] = &[
-    word(
-        "significance",
-        "by signal-to-noise: a front from the threshold outlines them, a tree of level sets divides them, \
-         and the significant ones are kept",
-    ),
-    word(
-        "rescaling",
-        "by the paper's Rescaling Segmentation Algorithm: intensities are rescaled and filtered, a front \
-         outlines sources, which are its connected components",
-    ),
+const SKIES: &[Word] = &[
+    Word {
+        name: "mesh",
+        numbers: Numbers::Whole(64),
+        help: "in the cells of a mesh, N pixels wide, and smooth between them",
+    },
+    word("frame", "once for the whole image"),
+    word("none", "not at all: no signal-to-noise, but the least memory"),
 ];
 const NORMALIZATIONS: &[Word] = &[
     word("minmax", "by the least and the greatest pixel"),
@@ -338,6 +382,9 @@ const FILTERS: &[Word] = &[
     word("none", "not at all"),
     word("heat", "evenly, by the heat equation"),
     word("pm", "less across edges, after Perona and Malik"),
+    word("median", "by the median of 3 x 3 pixels, in which spikes vanish and edges stay"),
+    word("gauss", "evenly, by a Gaussian of 0.8 pixels"),
+    word("adaptive", "by a Gaussian of 0.8 pixels, and more where nothing significant is lost by it"),
 ];
 const DIFFUSIVITIES: &[Word] = &[word("f1", "1 / (1 + s^2)"), word("f2", "exp(-s^2)")];
 const ORDERS: &[Word] =
@@ -348,6 +395,7 @@ const EDGES: &[Word] = &[
     word("g2mod", "g2 above c2, stretched to [0, 1]"),
 ];
 const SCHEMES: &[Word] = &[
+    word("region", "from the threshold, outwards where there is more signal-to-noise and inwards where there is less"),
     word("fd", "finite differences of first order"),
     word("sl", "semi-Lagrangian"),
     word("fd-curvature", "finite differences with curvature"),
@@ -366,19 +414,28 @@ const STARTS: &[Word] = &[
 ];
 const STOPS: &[Word] =
     &[word("paper", "by its change in a step"), word("rate", "per unit of time, and no pixel changes sign")];
+const SEPARATIONS: &[Word] = &[
+    word("tree", "divided by the tree of level sets, where they have peaks of their own"),
+    word("components", "as connected components"),
+];
+const SELECTIONS: &[Word] =
+    &[word("significance", "those that noise alone would not make"), word("area", "those of at least min-area pixels")];
 const CONNECTIVITIES: &[Word] = &[word("4", "those that share an edge"), word("8", "corners too")];
 
-/// The settings of the method by significance, where it is chosen.
-fn detection(config: &mut Config) -> Option<&mut Detection> {
-    config.detection.as_mut()
+fn sky(config: &Config) -> Option<Value> {
+    Some(match config.sky {
+        Background::None => Value::word("none"),
+        Background::Frame => Value::word("frame"),
+        Background::Mesh { size } => Value { word: Some("mesh"), numbers: Numbers::Whole(u32::from(size)) },
+    })
 }
 
-fn method(config: &Config) -> Option<Value> {
-    Some(Value::word(if config.detection.is_some() { "significance" } else { "rescaling" }))
-}
-
-fn set_method(config: &mut Config, value: Value) {
-    config.detection = if value.is("rescaling") { None } else { Some(config.detection.unwrap_or(Detection::DEFAULT)) };
+fn set_sky(config: &mut Config, value: Value) {
+    config.sky = match (value.word, value.numbers) {
+        (_, Numbers::Whole(size)) => Background::Mesh { size: size as u16 },
+        (Some("frame"), _) => Background::Frame,
+        _ => Background::None,
+    };
 }
 
 /// The time step follows.
@@ -470,6 +527,9 @@ fn filter(config: &Config) -> Option<Value> {
         Filter::None => "none",
         Filter::Heat => "heat",
         Filter::PeronaMalik { .. } => "pm",
+        Filter::Median => "median",
+        Filter::Gauss => "gauss",
+        Filter::Adaptive => "adaptive",
     }))
 }
 
@@ -477,6 +537,9 @@ fn filter(config: &Config) -> Option<Value> {
 fn set_filter(config: &mut Config, value: Value) {
     (config.filter, config.filter_steps) = match (value.word, config.filter) {
         (Some("none"), _) => (Filter::None, config.filter_steps),
+        (Some("median"), _) => (Filter::Median, 1),
+        (Some("gauss"), _) => (Filter::Gauss, config.filter_steps),
+        (Some("adaptive"), _) => (Filter::Adaptive, config.filter_steps),
         (Some("heat"), _) => (Filter::Heat, Config::PAPER_F160.filter_steps),
         (_, given @ Filter::PeronaMalik { .. }) => (given, Config::PAPER_REAL.filter_steps),
         _ => (Config::PAPER_REAL.filter, Config::PAPER_REAL.filter_steps),
@@ -487,7 +550,7 @@ fn diffusivity(config: &Config) -> Option<Value> {
     match config.filter {
         Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => Some(Value::word("f1")),
         Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => Some(Value::word("f2")),
-        Filter::Heat | Filter::None => None,
+        _ => None,
     }
 }
 
@@ -586,9 +649,30 @@ fn set_stop(config: &mut Config, value: Value) {
     config.stop = if value.is("rate") { Stop::Rate } else { Stop::Paper };
 }
 
+fn separate(config: &Config) -> Option<Value> {
+    Some(Value::word(match config.separate {
+        Separate::Tree => "tree",
+        Separate::Components => "components",
+    }))
+}
+
+fn set_separate(config: &mut Config, value: Value) {
+    config.separate = if value.is("tree") { Separate::Tree } else { Separate::Components };
+}
+
+fn select(config: &Config) -> Option<Value> {
+    Some(Value::word(match config.select {
+        Select::Significance => "significance",
+        Select::Area => "area",
+    }))
+}
+
+fn set_select(config: &mut Config, value: Value) {
+    config.select = if value.is("significance") { Select::Significance } else { Select::Area };
+}
+
 fn connectivity(config: &Config) -> Option<Value> {
-    let chosen = config.detection.map_or(config.connectivity, |detection| detection.connectivity);
-    Some(Value::word(match chosen {
+    Some(Value::word(match config.connectivity {
         Connectivity::Four => "4",
         Connectivity::Eight => "8",
     }))
@@ -596,23 +680,6 @@ fn connectivity(config: &Config) -> Option<Value> {
 
 fn set_connectivity(config: &mut Config, value: Value) {
     config.connectivity = if value.is("4") { Connectivity::Four } else { Connectivity::Eight };
-    if let Some(detection) = detection(config) {
-        detection.connectivity = if value.is("4") { Connectivity::Four } else { Connectivity::Eight };
-    }
-}
-
-fn min_area(config: &Config) -> Option<Value> {
-    let area = config.detection.map_or(config.min_area, |detection| detection.min_area);
-    Some(Value::of(Numbers::Whole(area)))
-}
-
-fn set_min_area(config: &mut Config, value: Value) {
-    if let Numbers::Whole(area) = value.numbers {
-        match detection(config) {
-            Some(detection) => detection.min_area = area,
-            None => config.min_area = area,
-        }
-    }
 }
 
 const EVERY: Range = Range { least: End::Open, most: End::Open };
@@ -642,7 +709,7 @@ const fn parameter(name: &'static str, keyword: &'static str, bare: Numbers, acc
     Parameter {
         name,
         keyword,
-        step: Step::Method,
+        step: Step::Sky,
         unit: "",
         help: "",
         common: false,
@@ -813,10 +880,12 @@ mod tests {
     #[test]
     fn what_is_not_used_names_the_choice() {
         let unmet = |name: &str, config: &Config| Parameter::named(name).unwrap().unmet(config).map(|need| need.name);
-        assert_eq!(unmet("alpha", &Config::NOISE_AWARE), Some("method"));
+        assert_eq!(unmet("alpha", &Config::NOISE_AWARE), Some("scheme"));
         assert_eq!(unmet("alpha", &Config::PAPER_F160), Some("rescale"));
         assert_eq!(unmet("alpha", &Config::PAPER_REAL), None);
-        assert_eq!(unmet("threshold", &Config::PAPER_REAL), Some("method"));
+        assert_eq!(unmet("threshold", &Config::PAPER_REAL), Some("sky"));
+        assert_eq!(unmet("deblend-light", &Config::PAPER_REAL), Some("separate"));
+        assert_eq!(unmet("min-light", &Config::PAPER_REAL), Some("select"));
         assert_eq!(unmet("edge", &Config::CHAN_VESE), Some("scheme"));
         for config in [Config::NOISE_AWARE, Config::PAPER_F160, Config::PAPER_REAL, Config::CHAN_VESE] {
             assert_eq!(unmet("min-area", &config), None);

@@ -1,6 +1,6 @@
 //! What a configuration must fulfil: the bounds of its parameters, and what an arithmetic can do.
 
-use super::{ChanVese, Config, Edge, Filter, Scheme, table};
+use super::{ChanVese, Config, Edge, Filter, Scheme, Select, Separate, table};
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::error::Error;
 
@@ -12,6 +12,13 @@ impl Config {
     /// [`Error::Arithmetic`] what `A` cannot do.
     pub fn validate<A: Arithmetic>(&self) -> Result<(), Error> {
         self.validate_values()?;
+        if self.sky.is_known() && A::Cell::BYTES < 4 {
+            return Err(Error::Arithmetic {
+                name: A::NAME,
+                reason: "signal-to-noise, from a fraction of the noise to bright stars, needs cells of 32 bits; without \
+                         a sky it runs in 16",
+            });
+        }
         self.validate_range(A::NAME, A::LIMIT)?;
         self.validate_curvature(A::NAME, A::LEAST_CURVATURE)?;
         if self.scheme == Scheme::FastMarching && A::Cell::BYTES < 4 {
@@ -32,14 +39,38 @@ impl Config {
     /// Checks every parameter for what all arithmetics can do.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first parameter that is out of bounds.
+    /// [`Error::Parameter`] names the first parameter that is out of bounds, [`Error::Together`] two
+    /// choices that cannot go together.
     pub fn validate_values(&self) -> Result<(), Error> {
         table::check(self)?;
         if self.directions != 16 && self.directions != 64 {
             let value = f32::from(self.directions);
             return Err(Error::Parameter { name: "directions", value, bound: "16 or", limit: 64.0 });
         }
-        Ok(())
+        self.validate_together()
+    }
+
+    /// What needs signal-to-noise needs a sky; a filter in steps needs an image with values in [0, 1].
+    fn validate_together(&self) -> Result<(), Error> {
+        let apart = |choice, value, other, wanted| Err(Error::Together { choice, value, other, wanted });
+        if !self.sky.is_known() {
+            let on_signal = [
+                (self.scheme == Scheme::Region, "scheme", "region"),
+                (self.filter == Filter::Gauss, "filter", "gauss"),
+                (self.filter == Filter::Adaptive, "filter", "adaptive"),
+                (self.separate == Separate::Tree, "separate", "tree"),
+                (self.select == Select::Significance, "select", "significance"),
+            ];
+            if let Some((_, choice, value)) = on_signal.into_iter().find(|(chosen, ..)| *chosen) {
+                return apart(choice, value, "sky", "mesh or frame");
+            }
+        }
+        match self.filter {
+            Filter::Heat if self.scheme == Scheme::Region => apart("filter", "heat", "scheme", "fd"),
+            Filter::PeronaMalik { .. } if self.scheme == Scheme::Region => apart("filter", "pm", "scheme", "fd"),
+            Filter::Median if self.scheme == Scheme::Region => apart("filter", "median", "scheme", "fd"),
+            _ => Ok(()),
+        }
     }
 
     /// Fixed point saturates: the coefficients that may be large must be inside its range.
@@ -107,7 +138,7 @@ impl Config {
     /// nu = 0 that is the bound of FD, for small dx that of the explicit curvature.
     pub(super) fn longest_step(&self) -> f32 {
         match self.scheme {
-            Scheme::Fd | Scheme::FastMarching => self.dx / 2.0,
+            Scheme::Region | Scheme::Fd | Scheme::FastMarching => self.dx / 2.0,
             Scheme::FdFiltered => self.dx * 0.4,
             Scheme::FdCurvature => self.dx * self.dx / (2.0 * (self.dx + self.nu)),
             Scheme::Sl => self.dx,

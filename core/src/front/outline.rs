@@ -15,7 +15,7 @@ pub const BAND: f32 = 0.3;
 /// The force is kept between minus and plus this.
 pub const FORCE: f32 = 2.0;
 /// Time of a step, with pixels of width 1. The force moves the front by at most 0.4 px a step, and
-/// `4 STEP nu < 1` for every nu that [`crate::config::detection::Detection`] takes.
+/// `4 STEP nu < 1` for every nu that [`crate::config::Outline`] takes.
 pub const STEP: f32 = 0.2;
 /// Cells of a row that are looked at together for something that can move.
 const PIECE: usize = 16;
@@ -42,15 +42,21 @@ impl<L: Level> Front<L> {
     /// threshold and takes its steps. `signal` has the force, less smoothed than the plane; `rows`
     /// has room for two rows. Cost: a pass per step, which computes near the front only.
     pub fn outline(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid) {
-        for u in plane.iter_mut() {
-            *u = within(*u - self.threshold, BAND);
-        }
+        self.start(plane);
         for _ in 0..self.steps {
             self.step(signal, plane, rows, grid.width.get());
         }
     }
 
-    fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], width: usize) {
+    /// Turns `plane` into u before the first step.
+    pub fn start(&self, plane: &mut [L]) {
+        for u in plane.iter_mut() {
+            *u = within(*u - self.threshold, BAND);
+        }
+    }
+
+    /// One step of [`Front::outline`], in rows of `width`.
+    pub fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], width: usize) {
         let Some((mut below, rest)) = rows.split_at_mut_checked(width) else { return };
         let mut own = rest.get_mut(..width).unwrap_or(&mut []);
         let mut left = plane;

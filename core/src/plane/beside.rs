@@ -1,7 +1,7 @@
 //! The plane beside the one that is swept, for kernels that look at its neighbours too.
 
 use crate::arithmetic::vectors::COLUMNS;
-use crate::plane::sweep::row_of;
+use crate::plane::rows::row_of;
 
 /// Cells of a row of a tile and of one on either side.
 const PADDED: usize = COLUMNS + 2;

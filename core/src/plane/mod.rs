@@ -7,6 +7,8 @@
 pub(crate) mod beside;
 pub mod field;
 pub mod grid;
+pub mod part;
+pub mod rows;
 pub mod smooth;
 pub mod sort;
 pub mod sweep;

@@ -13,6 +13,7 @@ use crate::arithmetic::machine::{Task, VECTORS};
 use crate::arithmetic::vectors::COLUMNS;
 use crate::arithmetic::vectors::Vectors;
 use crate::plane::beside::Beside;
+use crate::plane::rows::row_of_mut;
 use crate::plane::tiles::{Marker, Tiles};
 use active::ActiveRow;
 use core::ops::Range;
@@ -96,20 +97,6 @@ pub const fn row_stride(width: usize, n: usize) -> usize {
 /// Cells of the ring that a sweep of `N` rows needs for rows of `width` cells.
 pub const fn ring_len(width: usize, n: usize) -> usize {
     n * row_stride(width, n)
-}
-
-/// Row `y` of a row-major plane; empty beyond its end.
-#[inline]
-pub fn row_of<T>(plane: &[T], width: usize, y: usize) -> &[T] {
-    let start = y.saturating_mul(width);
-    plane.get(start..start.saturating_add(width)).unwrap_or(&[])
-}
-
-/// Row `y` of a row-major plane, to write to; empty beyond its end.
-#[inline]
-pub fn row_of_mut<T>(plane: &mut [T], width: usize, y: usize) -> &mut [T] {
-    let start = y.saturating_mul(width);
-    plane.get_mut(start..start.saturating_add(width)).unwrap_or(&mut [])
 }
 
 /// A band of rows of a plane, with what a sweep over it needs.

@@ -7,7 +7,7 @@
 
 use crate::arithmetic::Cell;
 use crate::arithmetic::vectors::COLUMNS;
-use crate::plane::sweep::{row_of, row_of_mut};
+use crate::plane::rows::{row_of, row_of_mut};
 use core::ops::Range;
 
 /// More rows of tiles than this are never made: tiles of very high frames are higher.

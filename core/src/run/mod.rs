@@ -3,7 +3,7 @@
 
 #[deny(clippy::arithmetic_side_effects)]
 pub mod budget;
-pub mod detect;
+pub mod extract;
 pub mod frame;
 pub mod memory;
 pub mod outcome;
@@ -14,3 +14,4 @@ pub mod snapshot;
 pub mod stage;
 #[deny(clippy::arithmetic_side_effects)]
 pub(crate) mod state;
+pub mod workspace;

@@ -3,7 +3,7 @@
 //! From it follow what comes after a pass ([`crate::run::segmenter`]), the budget ([`crate::run::budget`]), the
 //! soundness of a snapshot, and which plane holds what a step made, for digests and pictures.
 
-use crate::config::{Config, Filter, Normalize, Order, Rescale, Scheme, Start, Tau};
+use crate::config::{Config, Normalize, Order, Rescale, Scheme, Separate, Start, Tau};
 use crate::front::march;
 use crate::run::stage::Stage;
 use crate::sky::noise;
@@ -62,14 +62,29 @@ pub const fn leaves(stage: Stage) -> Option<Plane> {
     }
 }
 
+/// How often the sky is measured on the way to signal-to-noise.
+pub(crate) const ROUNDS: u32 = 3;
+/// From the pixels to signal-to-noise: the sky is measured anew without the sources, twice.
+const SKY: [Stage; 10] = [
+    Stage::Values,
+    Stage::Background,
+    Stage::Smooth,
+    Stage::Mask,
+    Stage::Background,
+    Stage::Smooth,
+    Stage::Mask,
+    Stage::Background,
+    Stage::Smooth,
+    Stage::Photon,
+];
 /// From the pixels to the image plane.
 const NORMALISING: [Stage; 6] =
     [Stage::Extremes, Stage::LowPercentile, Stage::HighPercentile, Stage::Sky, Stage::Median, Stage::Normalize];
 /// Steps 2 and 3, in both orders.
 const RESCALING_FIRST: [Stage; 3] = [Stage::Threshold, Stage::Rescale, Stage::Filter];
 const FILTERING_FIRST: [Stage; 3] = [Stage::Filter, Stage::Threshold, Stage::Rescale];
-/// From the filtered image to the catalogue.
-const SEGMENTING: [Stage; 17] = [
+/// From the filtered image to the front at its end.
+const FRONT: [Stage; 12] = [
     Stage::StartLevel,
     Stage::StartMark,
     Stage::StartUp,
@@ -82,12 +97,12 @@ const SEGMENTING: [Stage; 17] = [
     Stage::Sow,
     Stage::March,
     Stage::Arrive,
-    Stage::Provisional,
-    Stage::Resolve,
-    Stage::Count,
-    Stage::Number,
-    Stage::Measure,
 ];
+/// From the front to the catalogue.
+const LABELLING: [Stage; 5] = [Stage::Provisional, Stage::Resolve, Stage::Count, Stage::Number, Stage::Measure];
+/// From the outlines to sources, on signal-to-noise.
+const DIVIDING: [Stage; 3] = [Stage::Tree, Stage::Deblend, Stage::Select];
+const CONNECTING: [Stage; 2] = [Stage::Components, Stage::Select];
 
 /// The steps of the run of a configuration.
 #[derive(Clone, Copy, Debug)]
@@ -101,12 +116,28 @@ impl<'a> Plan<'a> {
 
     /// The steps in their order, without those that take no pass.
     pub fn steps(self) -> impl Iterator<Item = Step> + 'a {
-        let middle = match self.0.order {
-            Order::RescaleFirst => &RESCALING_FIRST,
-            Order::FilterFirst => &FILTERING_FIRST,
+        self.stages().map(move |stage| Step::of(stage, self.most_passes(stage))).filter(|step| step.passes > 0)
+    }
+
+    fn stages(self) -> impl Iterator<Item = Stage> {
+        let (sky, sources): (&'static [Stage], &'static [Stage]) = match (self.0.sky.is_known(), self.0.separate) {
+            (false, _) => (&[], &LABELLING),
+            (true, Separate::Tree) => (&SKY, &DIVIDING),
+            (true, Separate::Components) => (&SKY, &CONNECTING),
         };
-        let stages = NORMALISING.iter().chain(middle).chain(&SEGMENTING);
-        stages.map(move |&stage| Step::of(stage, self.passes(stage))).filter(|step| step.passes > 0)
+        sky.iter().chain(self.front_stages()).chain(sources).copied()
+    }
+
+    /// From the image to the front at its end.
+    fn front_stages(self) -> impl Iterator<Item = &'static Stage> {
+        let by_region = self.0.scheme == Scheme::Region;
+        let (normalising, middle, front): (&'static [Stage], &'static [Stage], &'static [Stage]) =
+            match (by_region, self.0.order) {
+                (true, _) => (&[], &[], &[Stage::Outline]),
+                (false, Order::RescaleFirst) => (&NORMALISING, &RESCALING_FIRST, &FRONT),
+                (false, Order::FilterFirst) => (&NORMALISING, &FILTERING_FIRST, &FRONT),
+            };
+        normalising.iter().chain(middle).chain(front)
     }
 
     /// A step of the run; `None` for a stage that it does without.
@@ -114,10 +145,11 @@ impl<'a> Plan<'a> {
         self.steps().find(|step| step.stage == stage)
     }
 
-    /// The stage after `stage` without those that `skip` names; [`Stage::Done`] after the last.
+    /// The stage of a segmenter after `stage` without those that `skip` names; [`Stage::Done`] after its
+    /// last.
     pub(crate) fn after(self, stage: Stage, skip: impl Fn(Stage) -> bool) -> Stage {
         let mut rest = self.steps().map(|step| step.stage).skip_while(|&other| other != stage).skip(1);
-        rest.find(|&next| !skip(next)).unwrap_or(Stage::Done)
+        rest.find(|&next| !skip(next)).filter(|next| next.is_of_front()).unwrap_or(Stage::Done)
     }
 
     /// Whether `stage` comes before the image is in its plane.
@@ -126,8 +158,12 @@ impl<'a> Plan<'a> {
     }
 
     /// The most passes over the rows that a stage can take, whatever the image; 0 where the run
-    /// does without it.
+    /// does without it. A stage that is not a segmenter's is done at once, and counts as one.
     pub fn passes(self, stage: Stage) -> u32 {
+        if self.stages().any(|other| other == stage) { self.most_passes(stage) } else { 0 }
+    }
+
+    fn most_passes(self, stage: Stage) -> u32 {
         let config = self.0;
         let marches = config.scheme == Scheme::FastMarching;
         let starts_near = matches!(config.start, Start::Threshold { .. });
@@ -136,7 +172,10 @@ impl<'a> Plan<'a> {
                 Normalize::Percentile { .. } => select::PASSES,
                 Normalize::MinMax | Normalize::Noise { .. } => 0,
             },
-            Stage::Sky if matches!(config.normalize, Normalize::Noise { .. }) => noise::PASSES,
+            // Signal-to-noise has a sky of 0 and a noise of 1.
+            Stage::Sky if matches!(config.normalize, Normalize::Noise { .. }) && !config.sky.is_known() => {
+                noise::PASSES
+            }
             Stage::Sky => 0,
             Stage::Median => select::PASSES,
             Stage::Threshold => match config.rescale {
@@ -145,7 +184,7 @@ impl<'a> Plan<'a> {
                 _ => 0,
             },
             Stage::Rescale => u32::from(config.rescale != Rescale::None),
-            Stage::Filter if config.filter == Filter::None => 0,
+            Stage::Filter if !config.filter.is_stepped() => 0,
             Stage::Filter => u32::from(config.filter_steps),
             // The tau of r3 serves both.
             Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
@@ -168,9 +207,11 @@ impl<'a> Plan<'a> {
         u64::from(self.passes(stage)).saturating_mul(height as u64)
     }
 
-    /// The most row operations of a whole run.
+    /// The most row operations of a segmenter's run.
     pub fn total_rows(self, height: usize) -> u64 {
-        self.steps().fold(0, |sum, step| sum.saturating_add(self.rows(height, step.stage)))
+        self.steps()
+            .filter(|step| step.stage.is_of_front())
+            .fold(0, |sum, step| sum.saturating_add(self.rows(height, step.stage)))
     }
 }
 
@@ -178,16 +219,36 @@ impl<'a> Plan<'a> {
 mod tests {
     use super::*;
 
-    /// Every stage but the end has one place in each order.
+    /// Every stage but the end has a place in some plan, those of a segmenter one in each order.
     #[test]
     fn every_stage_has_a_place() {
         for middle in [RESCALING_FIRST, FILTERING_FIRST] {
-            let stages = NORMALISING.iter().chain(&middle).chain(&SEGMENTING);
-            for stage in Stage::ALL.iter().filter(|stage| **stage != Stage::Done) {
+            let stages = NORMALISING.iter().chain(&middle).chain(&FRONT).chain(&LABELLING);
+            for stage in Stage::ALL.iter().filter(|stage| stage.is_of_front()) {
                 assert_eq!(stages.clone().filter(|other| *other == stage).count(), 1, "{stage:?}");
             }
-            assert_eq!(stages.count(), Stage::ALL.len() - 1);
         }
+        let outline = [Stage::Outline];
+        let mut others = SKY.iter().chain(&outline).chain(&DIVIDING).chain(&CONNECTING);
+        for stage in Stage::ALL.iter().filter(|stage| !stage.is_of_front() && **stage != Stage::Done) {
+            assert!(others.clone().any(|other| other == stage), "{stage:?}");
+        }
+        assert!(others.all(|stage| !stage.is_of_front()));
+    }
+
+    #[test]
+    fn every_choice_has_its_steps_on_signal_to_noise() {
+        let stages = |config: &Config| {
+            Plan::of(config).steps().map(|step| step.stage).skip(SKY.len()).collect::<heapless::Vec<_, 26>>()
+        };
+        assert_eq!(stages(&Config::NOISE_AWARE)[..], [Stage::Outline, Stage::Tree, Stage::Deblend, Stage::Select]);
+        let rsa = stages(&Config::RSA);
+        let front = [Stage::Extremes, Stage::Median, Stage::Normalize, Stage::Threshold, Stage::Rescale];
+        assert_eq!(rsa[..5], front, "neither a sky of its own nor a filter in steps");
+        assert_eq!(rsa[rsa.len() - 4..], [Stage::Evolve, Stage::Tree, Stage::Deblend, Stage::Select]);
+        let components = Config { separate: Separate::Components, ..Config::NOISE_AWARE };
+        assert_eq!(stages(&components)[..], [Stage::Outline, Stage::Components, Stage::Select]);
+        assert_eq!(Plan::of(&Config::RSA).after(Stage::Evolve, |_| false), Stage::Done, "the segmenter's last");
     }
 
     #[test]

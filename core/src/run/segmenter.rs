@@ -4,7 +4,7 @@ mod order;
 mod rows;
 
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::Config;
+use crate::config::{Config, Scheme};
 use crate::error::Error;
 use crate::front::edge::EdgeDetector;
 use crate::front::profile::{LEAST_SIDE, MOST_COLUMNS, Profile};
@@ -69,10 +69,10 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// Sets up a run; nothing can be wrong with the parameters or the memory afterwards.
     ///
     /// # Errors
-    /// [`Error::Method`], [`Error::Parameter`], [`Error::Arithmetic`], [`Error::Size`] or [`Error::Length`].
+    /// [`Error::Front`], [`Error::Parameter`], [`Error::Arithmetic`], [`Error::Size`] or [`Error::Length`].
     pub fn new(config: &Config, width: usize, height: usize, memory: Memory<'m, A>) -> Result<Self, Error> {
-        if config.detection.is_some() {
-            return Err(Error::Method);
+        if config.scheme == Scheme::Region {
+            return Err(Error::Front { scheme: config.scheme.name(), mover: "an extractor" });
         }
         let (given, chosen) = (config, Chosen::<A, S>::new(*config));
         let config = &*chosen;

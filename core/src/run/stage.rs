@@ -56,13 +56,33 @@ pub enum Stage {
     Number,
     /// Label pass 5, and the catalogue.
     Measure,
+    /// How the values of the frame came about ([`crate::sky::Values`]).
+    Values,
+    /// Sky and noise, and with them signal-to-noise.
+    Background,
+    /// Signal-to-noise smoothed, lightly and by need.
+    Smooth,
+    /// Sources out of the way, so that the sky can be measured without them.
+    Mask,
+    /// The photon noise ([`crate::sky::photon`]).
+    Photon,
+    /// The front from the threshold ([`crate::front::outline`]).
+    Outline,
+    /// The tree of level sets.
+    Tree,
+    /// Its regions become sources, each one connected piece.
+    Deblend,
+    /// Connected components in place of a tree.
+    Components,
+    /// Which sources are kept, and their numbers.
+    Select,
     /// Nothing left to do.
     Done,
 }
 
 impl Stage {
     /// All stages, in the order in which they are declared.
-    pub const ALL: [Stage; 27] = [
+    pub const ALL: [Stage; 37] = [
         Stage::Extremes,
         Stage::LowPercentile,
         Stage::HighPercentile,
@@ -89,8 +109,23 @@ impl Stage {
         Stage::Count,
         Stage::Number,
         Stage::Measure,
+        Stage::Values,
+        Stage::Background,
+        Stage::Smooth,
+        Stage::Mask,
+        Stage::Photon,
+        Stage::Outline,
+        Stage::Tree,
+        Stage::Deblend,
+        Stage::Components,
+        Stage::Select,
         Stage::Done,
     ];
+
+    /// Whether it is done by a [`Segmenter`](crate::run::segmenter::Segmenter), row by row.
+    pub const fn is_of_front(self) -> bool {
+        (self as u32) <= Stage::Measure as u32
+    }
 
     /// Its number in snapshots.
     pub(crate) fn code(self) -> u32 {

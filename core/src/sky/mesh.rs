@@ -3,10 +3,12 @@
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
 use crate::plane::grid::Grid;
+use crate::plane::part::{CELL_WORDS, Question, Whole};
 use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
 
-/// Side of a mesh cell in pixels; a frame has a whole number of cells along each axis.
+/// Side of a mesh cell in pixels where nothing else is wanted; a frame has a whole number of cells along
+/// each axis.
 pub const CELL: usize = 64;
 /// The most cells along an axis; larger frames have larger cells.
 pub const MOST_CELLS: usize = 64;
@@ -55,9 +57,12 @@ pub struct Mesh<'m> {
     scale: (f32, f32),
 }
 
-/// Cells along an axis of `length` pixels.
-pub const fn cells_along(length: usize) -> NonZero<usize> {
-    let cells = (length + CELL / 2) / CELL;
+/// Cells of about `cell` pixels along an axis of `length` pixels; one for a `cell` of 0.
+pub const fn cells_along(length: usize, cell: usize) -> NonZero<usize> {
+    let cells = match length.saturating_add(cell / 2).checked_div(cell) {
+        Some(cells) => cells,
+        None => 1,
+    };
     match NonZero::new(if cells > MOST_CELLS { MOST_CELLS } else { cells }) {
         Some(cells) => cells,
         None => NonZero::<usize>::MIN,
@@ -65,28 +70,29 @@ pub const fn cells_along(length: usize) -> NonZero<usize> {
 }
 
 /// Elements of the memory that [`Mesh::measure`] needs: the mesh, and a copy to filter it from.
-pub const fn mesh_cells(width: usize, height: usize) -> usize {
-    2 * cells_along(width).get() * cells_along(height).get()
+pub const fn mesh_cells(width: usize, height: usize, cell: usize) -> usize {
+    2 * cells_along(width, cell).get() * cells_along(height, cell).get()
 }
 
 /// The most pixels of a cell.
-pub const fn cell_pixels(width: usize, height: usize) -> usize {
-    width.div_ceil(cells_along(width).get()) * height.div_ceil(cells_along(height).get())
+pub const fn cell_pixels(width: usize, height: usize, cell: usize) -> usize {
+    width.div_ceil(cells_along(width, cell).get()) * height.div_ceil(cells_along(height, cell).get())
 }
 
 impl<'m> Mesh<'m> {
-    /// The mesh of a frame that [`Mesh::measure`] left in `cells`, which has room for [`mesh_cells`].
-    pub fn over(cells: &'m mut [Sky], size: (usize, usize)) -> Mesh<'m> {
-        let (columns, rows) = (cells_along(size.0), cells_along(size.1).get());
+    /// The mesh of a frame, with cells of about `cell` pixels, that [`Mesh::measure`] left in `cells`, which
+    /// has room for [`mesh_cells`].
+    pub fn over(cells: &'m mut [Sky], size: (usize, usize), cell: usize) -> Mesh<'m> {
+        let (columns, rows) = (cells_along(size.0, cell), cells_along(size.1, cell).get());
         let scale = (columns.get() as f32 / size.0 as f32, rows as f32 / size.1 as f32);
         let (cells, copy) = cells.split_at_mut_checked(columns.get() * rows).unwrap_or((&mut [], &mut []));
         Mesh { cells, copy, grid: Grid { width: columns, height: rows }, size, scale }
     }
 
     /// A mesh of which nothing is known yet.
-    pub fn blank(cells: &'m mut [Sky], size: (usize, usize)) -> Mesh<'m> {
+    pub fn blank(cells: &'m mut [Sky], size: (usize, usize), cell: usize) -> Mesh<'m> {
         cells.fill(Sky::UNKNOWN);
-        Mesh::over(cells, size)
+        Mesh::over(cells, size, cell)
     }
 
     /// Measures the sky of `pixels`, row-major, where they are [`Seen::Sky`]. Cells that are mostly
@@ -101,39 +107,84 @@ impl<'m> Mesh<'m> {
         values: &Values,
         mut keys: Keys<'_>,
     ) -> Survey {
-        let mut survey = Survey::default();
-        for index in 0..self.cells.len() {
-            let count = Count::of(self.pixels(index).map(&seen));
-            survey.cells += u32::from(count.defined > 0);
-            survey.measured += u32::from(count.is_enough());
-        }
-        let crowded = survey.is_crowded();
-        for index in 0..self.cells.len() {
-            let sky = self.pixels(index).filter(|&at| seen(at) == Seen::Sky);
-            let measured = if Count::of(self.pixels(index).map(&seen)).is_enough() {
-                // Adding 0 gives both zeros one key.
-                clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values)
-            } else if crowded {
-                Self::cell(self.cells, index)
-            } else {
-                Sky::UNKNOWN
+        let (size, grid) = (self.size, self.grid);
+        self.settle(|index| {
+            let mut count = Count::default();
+            // Adding 0 gives both zeros one key.
+            let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
+            let sky = cell_of(size, grid, index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
+            let sorted = keys.sorted(sky.map(value));
+            let sky = if count.is_enough() { clipped(sorted, values) } else { Sky::UNKNOWN };
+            (count, sky)
+        })
+    }
+
+    /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
+    /// together; `seen` goes by the part's indices. `None` while others have yet to answer.
+    pub(crate) fn asked(
+        &mut self,
+        (whole, round): (&dyn Whole, u32),
+        (pixels, width): (&[f32], usize),
+        seen: impl Fn(usize) -> Seen,
+        values: &Values,
+        mut keys: Keys<'_>,
+    ) -> Option<Survey> {
+        let (part, size, grid) = (whole.part(), self.size, self.grid);
+        let local = |at: usize| {
+            let (x, y) = ((at % size.0).checked_sub(part.origin.0)?, (at / size.0).checked_sub(part.origin.1)?);
+            (x < width).then_some(y * width + x)
+        };
+        let places = |index: usize| cell_of(size, grid, index).filter_map(local);
+        let is_own = |index: &usize| {
+            let middle = middle_of(size, grid, *index);
+            let (x, y) = (middle.0.checked_sub(part.origin.0), middle.1.checked_sub(part.origin.1));
+            x.zip(y).is_some_and(|place| part.owns(place))
+        };
+        let words = |index: usize| {
+            let mut count = Count::default();
+            let of_sky = places(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
+            let sorted = keys.sorted(of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0)));
+            let (Sky { level, noise }, Count { all, defined, sky }) = (clipped(sorted, values), count);
+            [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
+        };
+        let answer = whole.words(Question::Cells(round), &mut (0..grid.cells()).filter(is_own).flat_map(words))?;
+        let cell = |index: usize| answer.get(index * CELL_WORDS..).and_then(|words| words.first_chunk::<CELL_WORDS>());
+        Some(self.settle(|index| {
+            let Some(&[_, all, defined, sky, level, noise]) = cell(index) else {
+                return (Count::default(), Sky::UNKNOWN);
             };
-            if let Some(cell) = self.cells.get_mut(index) {
-                *cell = measured;
+            let count = Count { all: all as usize, defined: defined as usize, sky: sky as usize };
+            (count, Sky { level: f32::from_bits(level), noise: f32::from_bits(noise) })
+        }))
+    }
+
+    /// Settles what every cell has, of what its pixels are and of its sky, which counts where that is enough.
+    fn settle(&mut self, mut measure: impl FnMut(usize) -> (Count, Sky)) -> Survey {
+        let mut survey = Survey::default();
+        // A bit per cell, a word per row of them.
+        let mut enough = [0u64; MOST_CELLS];
+        for index in 0..self.cells.len() {
+            let (count, sky) = measure(index);
+            survey.cells += u32::from(count.defined > 0);
+            if !count.is_enough() {
+                continue;
+            }
+            survey.measured += 1;
+            let (column, row) = self.grid.place(index);
+            if let (Some(cell), Some(enough)) = (self.cells.get_mut(index), enough.get_mut(row)) {
+                *cell = sky;
+                *enough |= 1 << column;
+            }
+        }
+        if !survey.is_crowded() {
+            for (row, enough) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(enough) {
+                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| enough >> column & 1 == 0);
+                unmeasured.for_each(|(_, cell)| *cell = Sky::UNKNOWN);
             }
         }
         self.fill();
         self.smooth();
         survey
-    }
-
-    /// The pixels of a cell, row by row.
-    fn pixels(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
-        let ((width, height), (column, row)) = (self.size, self.grid.place(index));
-        let (columns, rows) = (self.grid.width, NonZero::new(self.grid.height).unwrap_or(NonZero::<usize>::MIN));
-        let (left, right) = (column * width / columns, (column + 1) * width / columns);
-        let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
-        (bottom..top).flat_map(move |y| y * width + left..y * width + right)
     }
 
     fn cell(cells: &[Sky], index: usize) -> Sky {
@@ -184,17 +235,58 @@ impl<'m> Mesh<'m> {
     /// Background and noise at a pixel: bilinear between the centres of cells; beyond the outer ones
     /// the level goes on straight, the noise stays.
     pub fn at(&self, x: usize, y: usize) -> Sky {
-        let columns = self.grid.width.get();
-        let (across, up) = (Between::new(x, columns, self.scale.0), Between::new(y, self.grid.height, self.scale.1));
-        let blend = |value: fn(Sky) -> f32, part: fn(Between) -> f32| {
-            let row = |row: usize| {
-                let at = |column: usize| value(Self::cell(self.cells, row * columns + column));
-                at(across.first) * (1.0 - part(across)) + at(across.next) * part(across)
-            };
-            row(up.first) * (1.0 - part(up)) + row(up.next) * part(up)
-        };
-        Sky { level: blend(|sky| sky.level, |place| place.part), noise: blend(|sky| sky.noise, Between::inside) }
+        let (mut level, mut noise) = ([0.0], [0.0]);
+        self.along(x, y, &mut level, &mut noise);
+        let ([level], [noise]) = (level, noise);
+        Sky { level, noise }
     }
+
+    /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
+    pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
+        let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
+        let corners = |column: usize| [up.first, up.next].map(|row| Self::cell(self.cells, row * columns + column));
+        let until = x + level.len().min(noise.len());
+        let (mut x, mut rest) = (x, level.iter_mut().zip(noise));
+        while x < until {
+            // Columns that lie between the same two cells.
+            let Between { first, next, .. } = Between::new(x, columns, self.scale.0);
+            let end = Between::end(x, until, columns, self.scale.0);
+            let (before, after) = (corners(first), corners(next));
+            for ((level, noise), x) in rest.by_ref().take(end - x).zip(x..) {
+                let across = Between::after(first, x, self.scale.0);
+                *level = blend([before, after].map(|cells| cells.map(|sky| sky.level)), across.part, up.part);
+                *noise = blend([before, after].map(|cells| cells.map(|sky| sky.noise)), across.inside(), up.inside());
+            }
+            x = end;
+        }
+    }
+}
+
+/// Bilinear between two columns of two values each.
+#[inline(always)]
+fn blend([before, after]: [[f32; 2]; 2], across: f32, up: f32) -> f32 {
+    let row = |before: f32, after: f32| before * (1.0 - across) + after * across;
+    let ([first, next], [first_after, next_after]) = (before, after);
+    row(first, first_after) * (1.0 - up) + row(next, next_after) * up
+}
+
+/// First and last column, first and last row of a cell, the last not included.
+fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4] {
+    let (column, row) = grid.place(index);
+    let (columns, rows) = (grid.width, NonZero::new(grid.height).unwrap_or(NonZero::<usize>::MIN));
+    [column * width / columns, (column + 1) * width / columns, row * height / rows, (row + 1) * height / rows]
+}
+
+/// The pixels of a cell, row by row.
+fn cell_of(size: (usize, usize), grid: Grid, index: usize) -> impl Iterator<Item = usize> + use<> {
+    let [left, right, bottom, top] = sides(size, grid, index);
+    (bottom..top).flat_map(move |y| y * size.0 + left..y * size.0 + right)
+}
+
+/// Column and row in the middle of a cell: the part that has it measures the cell.
+fn middle_of(size: (usize, usize), grid: Grid, index: usize) -> (usize, usize) {
+    let [left, right, bottom, top] = sides(size, grid, index);
+    (usize::midpoint(left, right), usize::midpoint(bottom, top))
 }
 
 /// What the pixels of a cell are.
@@ -206,12 +298,11 @@ struct Count {
 }
 
 impl Count {
-    fn of(pixels: impl Iterator<Item = Seen>) -> Count {
-        pixels.fold(Count::default(), |count, seen| Count {
-            all: count.all + 1,
-            defined: count.defined + usize::from(seen != Seen::Undefined),
-            sky: count.sky + usize::from(seen == Seen::Sky),
-        })
+    fn sees(&mut self, seen: Seen) -> Seen {
+        self.all += 1;
+        self.defined += usize::from(seen != Seen::Undefined);
+        self.sky += usize::from(seen == Seen::Sky);
+        seen
     }
 
     fn is_enough(&self) -> bool {
@@ -259,9 +350,30 @@ struct Between {
 
 impl Between {
     fn new(at: usize, cells: usize, scale: f32) -> Between {
-        let place = (at as f32 + 0.5) * scale - 0.5;
-        let first = (place as usize).min(cells.saturating_sub(2));
-        Between { first, next: (first + 1).min(cells.saturating_sub(1)), part: place - first as f32 }
+        let first = Self::first(at, cells, scale);
+        Between { next: (first + 1).min(cells.saturating_sub(1)), ..Self::after(first, at, scale) }
+    }
+
+    fn first(at: usize, cells: usize, scale: f32) -> usize {
+        (((at as f32 + 0.5) * scale - 0.5) as usize).min(cells.saturating_sub(2))
+    }
+
+    /// A place between the cell `first` and the one after it.
+    #[inline(always)]
+    fn after(first: usize, at: usize, scale: f32) -> Between {
+        Between { first, next: first + 1, part: ((at as f32 + 0.5) * scale - 0.5) - first as f32 }
+    }
+
+    /// The first place after `at`, at most `until`, that lies after another cell.
+    fn end(at: usize, until: usize, cells: usize, scale: f32) -> usize {
+        let first = Self::first(at, cells, scale);
+        let (mut inside, mut end) = (at, until);
+        while end - inside > 1 {
+            let middle = inside.midpoint(end);
+            let after = Self::first(middle, cells, scale) == first;
+            (inside, end) = if after { (middle, end) } else { (inside, middle) };
+        }
+        end
     }
 
     fn inside(self) -> f32 {
@@ -281,7 +393,7 @@ fn middle(of: impl Iterator<Item = f32>) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cell_pixels;
+    use super::super::{CELL, cell_pixels};
     use super::*;
     use crate::sky::noise::tests::normal;
 
@@ -297,21 +409,21 @@ mod tests {
     }
 
     fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen) -> Survey {
-        let room = cell_pixels(SIDE, SIDE);
+        let room = cell_pixels(SIDE, SIDE, CELL);
         let (mut keys, mut spare) = (std::vec![0; room], std::vec![0; room]);
         let seen = |at: usize| seen(at % SIDE, at / SIDE);
         mesh.measure(pixels, seen, &Values::UNKNOWN, Keys(&mut keys, &mut spare))
     }
 
-    fn cells() -> [Sky; mesh_cells(SIDE, SIDE)] {
-        [Sky::UNKNOWN; mesh_cells(SIDE, SIDE)]
+    fn cells() -> [Sky; mesh_cells(SIDE, SIDE, CELL)] {
+        [Sky::UNKNOWN; mesh_cells(SIDE, SIDE, CELL)]
     }
 
     #[test]
     fn a_slope_is_followed_into_the_corners() {
         let slope = |x: usize, y: usize| 0.05 * x as f32 - 0.03 * y as f32;
         let (pixels, mut cells) = (frame(slope), cells());
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         let survey = measure(&mut mesh, &pixels, |_, _| Seen::Sky);
         assert_eq!(survey, Survey { cells: 25, measured: 25 });
         for (x, y) in [(0, 0), (319, 0), (0, 319), (319, 319), (160, 0), (0, 160), (31, 200), (100, 290)] {
@@ -323,11 +435,29 @@ mod tests {
     }
 
     #[test]
+    fn along_a_row_there_is_what_there_is_at_each_pixel() {
+        for side in [1, 63, 100, 130, SIDE] {
+            let mut cells: Vec<Sky> = (0..mesh_cells(side, side, CELL))
+                .map(|n| Sky { level: (n * 7919 % 101) as f32 - 0.3, noise: 1.0 + (n * 31 % 17) as f32 })
+                .collect();
+            let mesh = Mesh::over(&mut cells, (side, side), CELL);
+            let (mut level, mut noise) = (std::vec![0.0; side], std::vec![0.0; side]);
+            for (first, y) in [(0, 0), (side / 3, side / 2), (side - 1, side - 1)] {
+                mesh.along(first, y, &mut level[first..], &mut noise[first..]);
+                for x in first..side {
+                    let sky = mesh.at(x, y);
+                    assert_eq!([level[x], noise[x]].map(f32::to_bits), [sky.level, sky.noise].map(f32::to_bits));
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_cell_without_sky_has_that_of_its_neighbours() {
         let source = |x: usize, y: usize| (64..128).contains(&x) && (64..128).contains(&y);
         let pixels = frame(|x, y| if source(x, y) { 500.0 } else { 100.0 });
         let mut cells = cells();
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         let seen = |x: usize, y: usize| match source(x, y) {
             // A tenth of the cell is left, all of it wings.
             true if !x.is_multiple_of(10) => Seen::Source,
@@ -342,7 +472,7 @@ mod tests {
     #[test]
     fn a_crowded_mesh_keeps_what_was_measured_first() {
         let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         measure(&mut mesh, &pixels, |_, _| Seen::Sky);
         let first = mesh.at(160, 160);
         let dark = |x: usize, y: usize| if pixels[y * SIDE + x] < 99.0 { Seen::Sky } else { Seen::Source };
@@ -358,7 +488,7 @@ mod tests {
     #[test]
     fn nothing_is_known_of_a_mesh_without_sky() {
         let (pixels, mut cells) = (frame(|_, _| 100.0), cells());
-        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE));
+        let mut mesh = Mesh::blank(&mut cells, (SIDE, SIDE), CELL);
         let survey = measure(&mut mesh, &pixels, |x, _| if x < 10 { Seen::Source } else { Seen::Undefined });
         assert_eq!(survey, Survey { cells: 5, measured: 0 });
         assert!(mesh.at(5, 5).level.is_nan());
@@ -369,9 +499,9 @@ mod tests {
     #[test]
     fn a_window_is_one_cell() {
         let pixels: Vec<f32> = normal(64, 7.0, 1.0);
-        let mut cells = [Sky::UNKNOWN; mesh_cells(8, 8)];
+        let mut cells = [Sky::UNKNOWN; mesh_cells(8, 8, CELL)];
         let (mut keys, mut spare) = ([0; 64], [0; 64]);
-        let mut mesh = Mesh::blank(&mut cells, (8, 8));
+        let mut mesh = Mesh::blank(&mut cells, (8, 8), CELL);
         mesh.measure(&pixels, |_| Seen::Sky, &Values::UNKNOWN, Keys(&mut keys, &mut spare));
         assert_eq!(mesh.at(0, 0), mesh.at(7, 7));
         assert!((mesh.at(3, 4).level - 7.0).abs() < 0.1);

@@ -16,10 +16,11 @@ pub mod photon;
 pub mod rosin;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod select;
-pub(crate) mod signal;
+pub mod signal;
 pub mod spike;
 pub mod tail;
 mod values;
+pub mod view;
 
 pub use clipped::{LEAST_PIXELS, clipped};
 pub use mesh::{CELL, MOST_CELLS, Mesh, Seen, Survey, cell_pixels, cells_along, mesh_cells};

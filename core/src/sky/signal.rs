@@ -2,100 +2,138 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::grid::Grid;
+use crate::plane::part::{self, Question, Whole};
+use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
-use crate::run::detect::{Known, SCALES, Workspace};
-use crate::sky::spike::cleaned;
+use crate::sky::spike::clean;
 use crate::sky::tail::Tail;
-use crate::sky::{Mesh, Seen, Survey, Values};
+use crate::sky::view::{Known, View};
+use crate::sky::{Mesh, Seen, Sky, Survey};
 
 /// Smoothing goes on where the change is below this, in its noise.
 const LEPSKI: f32 = 1.7;
+/// Scale of the light smoothing, pixels.
+const FINE: f32 = 0.8;
+/// Scale of the growth of the mask of sources, pixels.
+const GROWTH: f32 = 2.0;
 
-/// A frame with what is known of it.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    /// W x H, row-major.
-    pub pixels: &'a [f32],
-    /// Its shape.
-    pub grid: Grid,
-    /// Sky and noise that were given.
-    pub known: &'a Known<'a>,
-    /// How its values came about.
-    pub values: Values,
+/// The planes of these steps.
+#[derive(Debug)]
+pub struct Planes<'m, L: Level> {
+    /// W x H: signal-to-noise.
+    pub signal: &'m mut [L],
+    /// W x H: lightly smoothed.
+    pub fine: &'m mut [L],
+    /// W x H: smoothed by need.
+    pub smooth: &'m mut [L],
+    /// W x H: 1 near sources, 0 on sky.
+    pub masked: &'m mut [L],
+    /// W x H: scratch.
+    pub scratch: &'m mut [L],
+    /// W x H each: scratch for sorting.
+    pub keys: Keys<'m>,
+    /// The mesh.
+    pub mesh: &'m mut [Sky],
 }
 
-impl<'a> View<'a> {
-    /// Looks at a frame.
-    pub fn of(pixels: &'a [f32], grid: Grid, known: &'a Known<'a>, keys: Keys<'_>) -> View<'a> {
-        let values = Values::measure(pixels, grid.width.get(), |at| known.allows(at), keys);
-        View { pixels, grid, known, values }
-    }
-
-    /// Whether a pixel is an observation that may be used.
-    pub fn is_defined(&self, at: usize) -> bool {
-        self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
-    }
-
-    /// The two defined pixels of its row, or else of its column, between which an undefined one lies.
-    fn between(&self, at: usize) -> Option<[usize; 2]> {
-        let (Grid { width, height }, (x, y)) = (self.grid, self.grid.place(at));
-        let defined = |pair: &[usize; 2]| pair.iter().all(|&at| self.is_defined(at));
-        let row = (x > 0 && x + 1 < width.get()).then(|| [at - 1, at + 1]).filter(defined);
-        let column = || (y > 0 && y + 1 < height).then(|| [at - width.get(), at + width.get()]).filter(defined);
-        row.or_else(column)
-    }
-
-    /// Whether there is a signal: the pixel is defined, or lies between two that are.
-    pub fn has_signal(&self, at: usize) -> bool {
-        self.is_defined(at) || self.between(at).is_some()
-    }
-}
-
-/// Signal-to-noise of every pixel, spikes replaced; an undefined pixel has the mean of the two
-/// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
-/// to divide by.
-pub fn measure<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Option<Survey> {
+/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
+/// pixel has the mean of the two between which it lies, or none. Tells how the sky was measured; `None`
+/// where there is no noise to divide by. `round` counts how often it has been measured.
+pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Planes<'_, L>) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
-    let mut keys = Keys(work.parents, work.order);
+    let mut keys = work.keys.again();
     let masked = &*work.masked;
     let seen = |at: usize| match (view.is_defined(at), masked.get(at).is_none_or(|&mask| mask <= L::ZERO)) {
         (false, _) => Seen::Undefined,
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
     };
-    let mut mesh = Mesh::over(work.mesh, (width, grid.height));
-    let survey = mesh.measure(pixels, seen, &values, keys.again());
-    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    let survey = match known.whole {
+        None => mesh.measure(pixels, seen, &values, keys.again()),
+        // Nothing can be done before it is known.
+        Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
+            Some(survey) => survey,
+            None => return Some(Survey::default()),
+        },
+    };
+    let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
+    let sky_at = |at: usize| mesh.at(left + at % grid.width, bottom + at / grid.width);
     let mut factor = 1.0;
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(ratio, pixels.len(), keys);
+        factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
     }
-    let mut noise_seen = false;
-    for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
-        let sky = sky_at(at);
-        let level = Known::value(known.background, at).unwrap_or(sky.level);
-        let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
-        let signal = (pixel - level) / noise;
-        let usable = view.is_defined(at) && noise > 0.0 && signal.is_finite();
-        noise_seen |= usable;
-        *out = if usable { L::of(signal) } else { L::ZERO };
+    // A part may have no pixel, where the image has.
+    let mut noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
+    for (y, out) in work.scratch.chunks_exact_mut(width).enumerate() {
+        noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
     }
     bridge(view, work.scratch);
-    let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
+    let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(work.scratch, width, y));
     for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
         let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
-        for (x, out) in out.iter_mut().enumerate() {
-            *out = cleaned(rows, x);
-        }
+        clean(rows, out);
     }
     noise_seen.then_some(survey)
 }
 
+/// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
+pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn Whole, work: &mut Planes<'_, L>) {
+    let pixels = (view.pixels, view.grid.width.get());
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, work.keys.again());
+}
+
+/// Pixels of a row whose sky is looked up together.
+const PIECE: usize = 64;
+
+/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. The mesh is read from a
+/// column and row of its frame on; noise that is given counts `factor` times.
+fn signal_row<L: Level>(
+    view: &View<'_>,
+    y: usize,
+    (mesh, (left, bottom)): (&Mesh<'_>, (usize, usize)),
+    factor: f32,
+    out: &mut [L],
+) -> bool {
+    let &View { pixels, grid, values, .. } = view;
+    let (width, mut noise_seen) = (grid.width.get(), false);
+    let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
+    for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
+        let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
+        let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
+        let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
+        mesh.along(left + x, bottom + y, level, noise);
+        if let Some(map) = view.known.background {
+            level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
+        }
+        if let Some(map) = view.known.noise {
+            let noise = noise.iter_mut().zip(from(map, width, x, y));
+            noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
+        }
+        for (((out, &pixel), &level), &noise) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise) {
+            let signal = (pixel - level) / noise;
+            let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
+            noise_seen |= usable;
+            *out = L::of(if usable { signal } else { 0.0 });
+        }
+    }
+    noise_seen
+}
+
+/// Row `y` of a map from column `x` on.
+fn from(map: &[f32], width: usize, x: usize, y: usize) -> &[f32] {
+    row_of(map, width, y).get(x..).unwrap_or(&[])
+}
+
 /// Gives undefined pixels between two defined ones their mean.
 fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
+    if view.is_whole() {
+        return;
+    }
     let half = L::Weight::of(0.5);
     for at in (0..signal.len()).filter(|&at| !view.is_defined(at)) {
         let Some(pair) = view.between(at) else { continue };
@@ -107,37 +145,44 @@ fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
 }
 
 /// The median of the positive values of a sample; 1 where there are none.
-fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
-    let positive = |value: &f32| value.is_finite() && *value > 0.0;
-    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
-    if sorted.is_empty() { 1.0 } else { median(sorted) }
+fn typical(
+    whole: Option<(&dyn Whole, Question)>,
+    value: impl Fn(usize) -> f32,
+    count: usize,
+    width: usize,
+    mut keys: Keys<'_>,
+) -> f32 {
+    let positive = |at: usize| Some(value(at)).filter(|value| value.is_finite() && *value > 0.0);
+    match part::sorted(whole, (count, width, true), &mut keys, positive) {
+        Some(sorted) if !sorted.is_empty() => median(sorted),
+        _ => 1.0,
+    }
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, work: &mut Workspace<'_, L>) -> Tail<L> {
-    let (grid, piled) = (view.grid, view.values.piled);
-    let [scale, ..] = SCALES;
-    Weights::gauss(scale).apply(work.signal, work.scratch, work.fine, grid);
+pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>) -> Tail<L> {
+    let grid = view.grid;
+    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
-    let tail = Tail::measure(|at| value(fine, at), work.masked, piled, Keys(work.parents, work.order));
+    let questions = [Question::Fine(round), Question::FinePowers(round)];
+    let tail = view.tail(questions, |at| value(fine, at), work.masked, work.keys.again());
     Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let details = Tail::measure(detail, work.masked, piled, Keys(work.parents, work.order));
+    let questions = [Question::Details(round), Question::DetailPowers(round)];
+    let details = view.tail(questions, detail, work.masked, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
-        if (fine - *smooth).magnitude() >= least {
-            *smooth = fine;
-        }
+        *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
     }
     tail
 }
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Workspace<'_, L>) {
+pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>) {
     let grid = view.grid;
-    let (source, perhaps) = (L::ONE, L::of(0.5));
+    let (source, perhaps) = (L::ONE, perhaps());
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
         *fine = match (smooth > outline, *fine > peak) {
             (true, true) => source,
@@ -147,20 +192,24 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut W
     }
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
     let marks = &mut *work.fine;
-    for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
-        let marked = |at: usize| marks.get(at).is_some_and(|&mark| mark == source);
-        if marks.get(index).is_some_and(|&mark| mark == perhaps)
-            && grid.neighbours(index).any(marked)
-            && let Some(mark) = marks.get_mut(index)
-        {
-            *mark = source;
+    for backwards in [false, true, false] {
+        let pieces = marks.len().div_ceil(MARKS);
+        for piece in 0..pieces {
+            let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
+            let end = marks.len().min(first + MARKS);
+            let is_open = |marks: &[L]| marks.iter().fold(false, |any, &mark| any | (mark == perhaps));
+            if marks.get(first..end).is_some_and(is_open) {
+                for index in first..end {
+                    let index = if backwards { end - 1 - (index - first) } else { index };
+                    mark_beside(marks, index, grid);
+                }
+            }
         }
     }
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
         *mark = L::ZERO;
     }
-    let [_, growth, ..] = SCALES;
-    Weights::gauss(growth).apply(work.fine, work.scratch, work.masked, grid);
+    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid);
     let near = L::of(0.2);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > near { L::ONE } else { L::ZERO };
@@ -168,8 +217,30 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut W
     mask_undefined(view, work.masked);
 }
 
+/// Marks that are looked at together.
+const MARKS: usize = 16;
+
+/// The mark of a pixel that is a source's if it touches one.
+fn perhaps<L: Level>() -> L {
+    L::of(0.5)
+}
+
+/// Marks a pixel that may be a source's where it touches one.
+fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) {
+    let is = |at: usize, wanted: L| marks.get(at).is_some_and(|&mark| mark == wanted);
+    if is(index, perhaps())
+        && grid.neighbours(index).any(|at| is(at, L::ONE))
+        && let Some(mark) = marks.get_mut(index)
+    {
+        *mark = L::ONE;
+    }
+}
+
 /// Masks the pixels without a signal: they would count as quiet sky.
 pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
+    if view.is_whole() {
+        return;
+    }
     for (_, mask) in masked.iter_mut().enumerate().filter(|(at, _)| !view.has_signal(*at)) {
         *mask = L::ONE;
     }
@@ -194,8 +265,7 @@ mod tests {
     fn undefined_pixels_between_defined_ones_have_their_mean() {
         let grid = Grid::of(20, 5).unwrap();
         let (mut keys, mut spare) = ([0; 20], [0; 20]);
-        let known = Known::default();
-        let view = View::of(&PIXELS, grid, &known, Keys(&mut keys, &mut spare));
+        let view = View::of(&PIXELS, grid, Known::default(), Keys(&mut keys, &mut spare));
         let mut signal = PIXELS.map(|pixel| if pixel.is_nan() { 0.0 } else { pixel });
         bridge(&view, &mut signal);
         #[rustfmt::skip]

@@ -2,9 +2,9 @@
 //! and which sources end in a plateau, as saturated stars do.
 
 use crate::arithmetic::{Level, Real};
-use crate::plane::field::Field;
-use crate::sky::photon::grown;
-use crate::sources::tree::Region;
+use crate::plane::field::{Field, offset};
+use crate::plane::rows::used;
+use crate::sources::tree::{Noise, Region};
 
 /// A source is wide when so many of its pixels are above half its peak: a disc of eight pixels.
 const WIDE: u32 = 50;
@@ -25,18 +25,18 @@ const SHARE: f32 = 0.125;
 /// Marks those whose top is level and its rim steep (see [`Region::plateau`]).
 ///
 /// `field` is the plane that was divided. `light` is not sharpened, because that overshoots at a rim;
-/// `noise` is its noise, which grows with the photon noise `photon`.
+/// `noise` is its noise.
 pub fn centre_on_light<L: Level>(
     [field, light]: [Field<'_, L>; 2],
     labels: &[u32],
     regions: &mut [Region<L>],
-    (noise, photon): (L, f32),
+    noise: Noise<L>,
 ) {
     for region in regions.iter_mut() {
         (region.area, region.plateau, region.offsets) = (0, 0.0, (0.0, 0.0));
     }
     let half = L::Weight::of(0.5);
-    for (at, &label) in labels.iter().enumerate() {
+    for (at, label) in used(labels) {
         if let Some(region) = region_of(regions, label)
             && field.at(at) > field.at(region.peak as usize).scaled(half)
         {
@@ -50,7 +50,7 @@ pub fn centre_on_light<L: Level>(
         }
         region.plateau = 0.0;
     }
-    find_plateaus(light, labels, regions, (noise, photon));
+    find_plateaus(light, labels, regions, noise);
 }
 
 fn region_of<L: Level>(regions: &mut [Region<L>], label: u32) -> Option<&mut Region<L>> {
@@ -69,9 +69,9 @@ fn add<L: Level>(field: Field<'_, L>, region: &mut Region<L>, at: usize) {
 }
 
 /// Counts the pixels of plateaus; `area` is that above half the peak.
-fn find_plateaus<L: Level>(light: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>], (noise, photon): (L, f32)) {
+fn find_plateaus<L: Level>(light: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>], noise: Noise<L>) {
     let level = L::Weight::of(LEVEL);
-    for (at, &label) in labels.iter().enumerate() {
+    for (at, label) in used(labels) {
         if let Some(region) = region_of(regions, label)
             && light.at(at) > light.at(region.peak as usize).scaled(level)
         {
@@ -80,7 +80,7 @@ fn find_plateaus<L: Level>(light: Field<'_, L>, labels: &[u32], regions: &mut [R
     }
     for region in regions.iter_mut() {
         let top = light.at(region.peak as usize);
-        let seen = top - top.scaled(level) > noise * grown(photon, top);
+        let seen = top - top.scaled(level) > noise.at(top);
         if !seen || region.plateau < LEAST || region.plateau < SHARE * region.area as f32 {
             region.plateau = 0.0;
         }
@@ -98,6 +98,6 @@ fn is_flat<L: Level>(light: Field<'_, L>, region: &Region<L>, middle: (L, L)) ->
 /// The middle of the light that was added to a region.
 fn middle<L: Level>(field: Field<'_, L>, region: &Region<L>) -> (L, L) {
     let (x, y) = field.grid.place(region.peak as usize);
-    let along = |peak: usize, sum: f32| L::of(peak as f32 + sum / region.plateau);
+    let along = |peak: usize, sum: f32| L::whole(peak) + offset(sum / region.plateau);
     (along(x, region.offsets.0), along(y, region.offsets.1))
 }

@@ -5,7 +5,7 @@
 //! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
 
 use crate::arithmetic::{Level, Real};
-use crate::config::detection::Detection;
+use crate::config::{Config, Deblending};
 use crate::plane::field::Field;
 use crate::plane::sort;
 use crate::sky::photon::grown;
@@ -74,6 +74,34 @@ impl<L: Level> Region<L> {
 /// in real optics is that uneven, as the ring of a mirror out of focus and the rim of a saturated star.
 const DEPTH: f32 = 0.15;
 
+/// The noise of the lightly smoothed plane, and how it grows with light.
+#[derive(Clone, Copy, Debug)]
+pub struct Noise<L> {
+    /// Of a pixel without light.
+    pub least: L,
+    /// The photon noise ([`crate::sky::photon`]).
+    pub photon: f32,
+}
+
+impl<L: Level> Noise<L> {
+    /// The noise of a pixel with the light `value`.
+    pub fn at(&self, value: L) -> L {
+        self.least * grown(self.photon, value)
+    }
+}
+
+/// Regions that were made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Regions in the table.
+    pub regions: usize,
+    /// Peaks or components for which the table had no room: their pixels are in none.
+    pub left_out: u32,
+}
+
+/// Of the nine pixels around a peak so many must be its own: most of them.
+const MOST: usize = 5;
+
 /// Parent of a pixel that is in no region.
 pub const NONE: u32 = u32::MAX;
 
@@ -99,14 +127,14 @@ pub fn grow<L: Level>(
     parents: &mut [u32],
     ids: &mut [u32],
     regions: &mut [Region<L>],
-    (setting, photon): (&Detection, f32),
-) -> (usize, u32) {
+    (config, photon): (&Config, f32),
+) -> Count {
     let (mut count, mut left_out) = (0, 0);
     for &pixel in order {
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
-        for near in field.grid.neighbours(at).take(setting.connectivity.neighbours()) {
+        for near in field.grid.touching(at, config.connectivity.neighbours()) {
             if parents.get(near).is_none_or(|&parent| parent == NONE) {
                 continue;
             }
@@ -142,7 +170,8 @@ pub fn grow<L: Level>(
         for &other in others {
             let (host_id, other_id) = (id(ids, host), id(ids, other));
             let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
-            if stands_apart(setting, field, [&bright, &faint], value, photon) {
+            let foreign = |at: usize| is_foreign(parents, at, host);
+            if stands_apart((&config.deblending, photon), field, [&bright, &faint], value, foreign) {
                 for (id, other) in [(host_id, faint.peak), (other_id, bright.peak)] {
                     if let Some(region) = regions.get_mut(id) {
                         region.divide(field, other);
@@ -175,19 +204,20 @@ pub fn grow<L: Level>(
             region.sum = region.sum + value.times(1);
         }
     }
-    (count, left_out)
+    Count { regions: count, left_out }
 }
 
 /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
 /// pixels and light above the saddle for the noise there, a peak that rises above it by more than
-/// the noise and the unevenness of optics, and around its peak more than twice
-/// the mirrored light of the brighter.
+/// the noise and the unevenness of optics, and in most pixels around its peak more than twice the
+/// light of the brighter: what lies across that's centre or, where this is of a third region, what there is
+/// around it at that distance.
 fn stands_apart<L: Level>(
-    setting: &Detection,
+    (setting, photon): (&Deblending, f32),
     field: Field<'_, L>,
     [bright, faint]: [&Region<L>; 2],
     saddle: L,
-    photon: f32,
+    mut foreign: impl FnMut(usize) -> bool,
 ) -> bool {
     let light = faint.sum - saddle.times(faint.area);
     let noise = grown(photon, saddle);
@@ -200,9 +230,19 @@ fn stands_apart<L: Level>(
     }
     let centre = field.centre(bright.peak as usize);
     let peak = faint.peak as usize;
-    let twice = |at: usize| field.mirrored(centre, at).map_or(L::ZERO, |light| light + light);
-    let own = |&at: &usize| field.at(at) > twice(at);
-    field.grid.neighbours(peak).chain([peak]).filter(own).count() >= 3
+    let mut own = |&at: &usize| {
+        let across = field.across(centre, at);
+        let mirrored = field.between(across).unwrap_or(L::ZERO);
+        let third = field.nearest(across).is_some_and(&mut foreign);
+        let light = if third { mirrored.least(field.around(centre, field.place(at))) } else { mirrored };
+        field.at(at) > light + light
+    };
+    field.grid.neighbours(peak).chain([peak]).filter(&mut own).count() >= MOST
+}
+
+/// Whether a pixel is of another region than that with the root `host`.
+fn is_foreign(parents: &mut [u32], at: usize, host: u32) -> bool {
+    parents.get(at).is_some_and(|&parent| parent != NONE) && root(parents, at as u32) != host
 }
 
 #[cfg(test)]

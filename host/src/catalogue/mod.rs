@@ -12,7 +12,8 @@ pub use columns::{Column, Setting, Value, columns};
 
 use crate::background::SkyMaps;
 use crate::input::{At, Input, Observed, Positions};
-use crate::measure::{Extras, Level, Measured, Neighbours, Scene, measure, measure_at, run_flags};
+use crate::measure::{Extras, Level, Measured, Scene, measure, measure_at, run_flags};
+use crate::picture::Zoom;
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
 use crate::read::header::unit;
@@ -21,7 +22,8 @@ use crate::write::{Entry, Products, WriteError};
 use skyfront_core::sources::flags;
 
 /// A file format of the catalogue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Format {
     /// Comma-separated values, one line of names.
     Csv,
@@ -67,6 +69,8 @@ pub struct Request {
     pub sky: bool,
     /// Whether the front's arrival times are wanted.
     pub arrival: bool,
+    /// The scale of the overlay; by its size where none is given.
+    pub overlay: Option<Zoom>,
     /// Whether the map of labels is enough, without the maps of the sources' means and of the front.
     pub map_only: bool,
 }
@@ -82,27 +86,9 @@ impl Default for Request {
             polygons: false,
             sky: false,
             arrival: false,
+            overlay: None,
             map_only: false,
         }
-    }
-}
-
-impl Request {
-    /// The files that will be written.
-    pub fn files(&self) -> Vec<&'static str> {
-        let regions: &[&str] = if self.regions { &crate::outline::REGIONS } else { &[] };
-        let polygons: &[&str] = if self.polygons { &[crate::outline::POLYGONS] } else { &[] };
-        let sky: &[&str] = if self.sky { &crate::outputs::SKY } else { &[] };
-        let arrival: &[&str] = if self.arrival { &[crate::outputs::ARRIVAL] } else { &[] };
-        let values: &[&str] = if self.map_only { &[] } else { &crate::outputs::VALUES };
-        self.formats
-            .iter()
-            .map(|format| format.file())
-            .chain(values.iter().copied())
-            .chain(regions.iter().copied())
-            .chain(polygons.iter().copied())
-            .chain(sky.iter().chain(arrival).copied())
-            .collect()
     }
 }
 
@@ -206,6 +192,13 @@ impl Catalogue {
         serde_json::Value::Object(pairs.collect())
     }
 
+    /// How many sources have each flag, by the flags' names; those that none has are left out.
+    pub fn flag_counts(&self) -> serde_json::Value {
+        let count = |bit: u32| self.rows.iter().filter(|row| row.flags & bit != 0).count();
+        let counts = flags::FLAGS.iter().map(|flag| (flag.name.to_owned(), count(flag.bit)));
+        counts.filter(|(_, count)| *count > 0).map(|(name, count)| (name, serde_json::Value::from(count))).collect()
+    }
+
     /// Writes one format; `provenance` goes into headers that can hold it.
     ///
     /// # Errors
@@ -258,12 +251,7 @@ fn entries(scene: &Scene<'_>, extras: &Extras<'_>) -> Vec<Entry> {
         level("SFBACK", "background of the fluxes", &scene.background),
         level("SFNOISE", "noise of the flux errors", &scene.noise),
     ];
-    let neighbours = match extras.neighbours {
-        Neighbours::Correct => "correct",
-        Neighbours::Mask => "mask",
-        Neighbours::Keep => "keep",
-    };
-    list.push(Entry::new("SFNEIGHB", neighbours, "what apertures count of other sources"));
+    list.push(Entry::new("SFNEIGHB", extras.neighbours.name(), "what apertures count of other sources"));
     list.extend(extras.gain.map(|gain| Entry::new("SFGAIN", gain, "gain of the flux errors")));
     list.extend(extras.zero_point.map(|zero| Entry::new("SFZERO", zero, "magnitude zero point")));
     list.extend(extras.saturation.map(|level| Entry::new("SFSATUR", level, "saturation level")));

@@ -6,7 +6,7 @@ use super::instructions::needs;
 use super::memory::MOST_PIXELS;
 use super::options::Options;
 use super::say::Stdout;
-use crate::detection;
+use crate::extraction;
 use anyhow::{Result, bail};
 use clap::Args;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
@@ -45,9 +45,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let size = (arguments.width, arguments.height);
     let config = arguments.options.for_frame(arguments.options.config()?, size.0, size.1);
-    if config.detection.is_some() {
+    if config.sky.is_known() {
         arguments.options.arithmetic.validate(&config)?;
-        write!(Stdout, "{}", noise_aware(size)?)?;
+        write!(Stdout, "{}", on_signal(&config, size)?)?;
         return Ok(());
     }
     let text = match arguments.options.arithmetic {
@@ -59,10 +59,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The budget of the noise-aware segmentation, which is one call, as text.
-fn noise_aware((width, height): (usize, usize)) -> Result<String> {
-    let parts = detection::memory(width, height);
-    let mut text = format!("{width} x {height} pixels, noise-aware, in f32 or q24\n");
+/// The budget of a run on signal-to-noise as text.
+fn on_signal(config: &Config, (width, height): (usize, usize)) -> Result<String> {
+    let parts = extraction::memory(config, width, height);
+    let mut text = format!("{width} x {height} pixels, on signal-to-noise, in f32 or q24\n");
     for (bytes, what) in parts {
         writeln!(text, "{bytes:>14} bytes  {what}")?;
     }

@@ -25,7 +25,7 @@ pub struct Arguments {
     /// HDU of the image: a number (0 = primary) or a name [default: the first 2-D image].
     #[arg(long, value_name = "N|NAME")]
     hdu: Option<HduChoice>,
-    /// Without --scheme, each of the paper's four is checked at the paper's time step for it.
+    /// With --sky none and without --scheme, each of the paper's four is checked at the paper's time step for it.
     #[command(flatten)]
     options: Options,
     #[command(flatten)]
@@ -105,6 +105,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 .map(|config| arguments.options.for_frame(config, image.width, image.height))
                 .collect();
             if let Some(folder) = &arguments.vectors {
+                if configs.iter().any(|config| config.sky.is_known()) {
+                    bail!(Usage("--vectors are those of a front on pixel values: name a preset with --sky none"));
+                }
                 export(folder, &configs, &image, arguments.overwrite)?;
             }
             check(arguments, &configs, &image, &path.display().to_string())
@@ -113,10 +116,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// One configuration a scheme: the chosen one, or all of the paper's.
+/// One configuration a scheme: the chosen one, or all of the paper's. On signal-to-noise the preset has chosen.
 fn configs(options: &Options) -> Result<Vec<Config>> {
-    if options.given.get("scheme").is_some() {
-        return Ok(vec![options.config()?]);
+    let config = options.config()?;
+    if options.given.get("scheme").is_some() || config.sky.is_known() {
+        return Ok(vec![config]);
     }
     let papers = [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature];
     let with = |scheme: Scheme| {
@@ -142,7 +146,7 @@ fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -
         }
     }
     if arguments.json {
-        writeln!(Stdout, "{:#}", json!({ "input": name, "passed": failed == 0, "checks": results }))?;
+        writeln!(Stdout, "{}", json!({ "input": name, "passed": failed == 0, "checks": results }))?;
     }
     if failed > 0 {
         bail!("{name}: {failed} of {made} checks exceed a tolerance");

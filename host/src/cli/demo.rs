@@ -9,17 +9,16 @@ use crate::catalogue::Request;
 use crate::input::Input;
 use crate::picture::side_by_side;
 use crate::pipeline::{Drive, Segmentation};
-use crate::read::{Header, Image};
+use crate::read::Image;
 use crate::score::{Score, score};
-use crate::truth;
+use crate::truth::{self, simulated};
 use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Map, Value, json};
 use skyfront_core::config::Config;
-use skyfront_core::run::frame::Frame;
-use skyfront_core::simulate::{Kind, Sky};
+use skyfront_core::simulate::Kind;
 use std::path::{Path, PathBuf};
 
 /// The simulated sky of the demo.
@@ -170,28 +169,4 @@ fn all_own(folder: &Path) -> bool {
 fn checksum(path: &Path) -> Option<String> {
     let bytes = std::fs::read(path).ok()?;
     Some(format!("{:08x}", crc32fast::hash(&bytes)))
-}
-
-/// A simulated sky as an image without header.
-pub fn simulated(kind: Kind, seed: u32, width: usize, height: usize) -> (Image, Sky) {
-    let mut sky = Sky::new(kind, seed, width, height);
-    let mut pixels = vec![0.0f32; width * height];
-    for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
-        let Ok(()) = sky.row(y, row);
-    }
-    let mut digest = crc32fast::Hasher::new();
-    pixels.iter().for_each(|pixel| digest.update(&pixel.to_le_bytes()));
-    let image = Image {
-        width,
-        height,
-        pixels,
-        header: Header::default(),
-        primary: Header::default(),
-        hdu: 0,
-        name: None,
-        bitpix: -32,
-        checksum: digest.finalize(),
-        warnings: Vec::new(),
-    };
-    (image, sky)
 }

@@ -1,44 +1,9 @@
 //! Names that users of other programs type, and what they are called here.
 
+use crate::settings::ours;
 use clap::Error;
 use clap::error::ErrorKind;
 use std::ffi::OsString;
-
-/// A name elsewhere, in small letters, and ours.
-const NAMES: [(&str, &str); 26] = [
-    ("detect-thresh", "threshold"),
-    ("analysis-thresh", "threshold"),
-    ("thresh", "threshold"),
-    ("detection-threshold", "threshold"),
-    ("nsigma", "threshold"),
-    ("sigma", "threshold"),
-    ("detect-minarea", "min-area"),
-    ("minarea", "min-area"),
-    ("npixels", "min-area"),
-    ("deblend-mincont", "deblend-contrast"),
-    ("deblend-cont", "deblend-contrast"),
-    ("contrast", "deblend-contrast"),
-    ("flag-image", "mask"),
-    ("weight-image", "weight"),
-    ("back-value", "background"),
-    ("mag-zeropoint", "zero-point"),
-    ("zeropoint", "zero-point"),
-    ("satur-level", "saturation"),
-    ("phot-apertures", "apertures"),
-    ("checkimage-type", "sky-maps"),
-    ("catalog-type", "catalog-format"),
-    ("catalog-name", "out"),
-    ("parameters-name", "config"),
-    ("nthreads", "threads"),
-    ("verbose-type", "verbose"),
-    ("output", "out"),
-];
-
-/// What a name of another program is called here.
-pub fn ours(name: &str) -> Option<&'static str> {
-    let name = name.trim_start_matches('-').to_lowercase().replace('_', "-");
-    NAMES.iter().find(|(foreign, _)| *foreign == name).map(|(_, ours)| *ours)
-}
 
 /// The error for an unknown option, with our name for it where there is one.
 pub fn translated(error: Error, line: &[OsString]) -> Error {
@@ -57,8 +22,8 @@ pub fn translated(error: Error, line: &[OsString]) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::cli::command;
+    use crate::settings::NAMES;
 
     #[test]
     fn our_names_are_options_and_the_others_are_not() {

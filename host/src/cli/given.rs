@@ -1,10 +1,10 @@
 //! The parameters that a command line gives: one option each, made from the core's table.
 
-use crate::cli::choices::Preset;
 use crate::read::Place;
+use crate::settings::{self, notes};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
-use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches, ValueEnum};
-use skyfront_core::config::{Config, Need, Numbers, PARAMETERS, Parameter, Step, Value};
+use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
+use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter, Value};
 
 /// Parameters with the values they were given, in the order of the table.
 #[derive(Clone, Debug, Default)]
@@ -52,62 +52,10 @@ impl Given {
     /// `config` with what is given.
     ///
     /// # Errors
-    /// [`skyfront_core::error::Error::Parameter`] for a number that the configuration cannot hold,
-    /// [`Unused`] for what the chosen steps do not use.
+    /// As [`settings::apply`].
     pub fn apply(&self, config: Config) -> anyhow::Result<Config> {
-        let mut config = config;
-        for (parameter, setting) in &self.0 {
-            parameter.set(&mut config, setting.value())?;
-        }
-        for (parameter, _) in &self.0 {
-            if let Some(need) = parameter.unmet(&config) {
-                return Err(Unused::new(parameter, need, &config).into());
-            }
-        }
-        Ok(config)
-    }
-}
-
-/// An option that the chosen steps do not use.
-#[derive(Debug, thiserror::Error)]
-#[error("--{name} is not used by --{choice} {chosen}; it needs --{choice} {}{}", words(.wanted), has(.preset))]
-pub struct Unused {
-    name: &'static str,
-    choice: &'static str,
-    chosen: String,
-    wanted: &'static [&'static str],
-    preset: Option<String>,
-}
-
-impl Unused {
-    fn new(parameter: &Parameter, need: &Need, config: &Config) -> Unused {
-        let chosen = Parameter::named(need.name).and_then(|choice| choice.get(config));
-        Unused {
-            name: parameter.name,
-            choice: need.name,
-            chosen: chosen.and_then(|value| value.word).unwrap_or_default().to_owned(),
-            wanted: need.words,
-            preset: preset_with(parameter),
-        }
-    }
-}
-
-/// The name of the first preset that uses a parameter.
-fn preset_with(parameter: &Parameter) -> Option<String> {
-    let preset = Preset::value_variants().iter().find(|preset| parameter.unmet(&preset.config()).is_none())?;
-    preset.to_possible_value().map(|value| value.get_name().to_owned())
-}
-
-fn has(preset: &Option<String>) -> String {
-    preset.as_ref().map(|name| format!(", as --preset {name} has")).unwrap_or_default()
-}
-
-/// `a, b or c`.
-fn words(words: &[&str]) -> String {
-    match words.split_last() {
-        Some((last, [])) => (*last).to_owned(),
-        Some((last, before)) => format!("{} or {last}", before.join(", ")),
-        None => String::new(),
+        let given: Vec<_> = self.0.iter().map(|(parameter, setting)| (*parameter, setting.value())).collect();
+        Ok(settings::apply(config, &given)?)
     }
 }
 
@@ -171,28 +119,6 @@ fn long_help(parameter: &Parameter) -> String {
                  values as front.fits holds them";
     }
     text + "\n[" + &notes(parameter).join("; ") + "]"
-}
-
-/// Unit, bounds, default and what uses a parameter.
-pub fn notes(parameter: &Parameter) -> Vec<String> {
-    let config = parameter.at_work(&Config::NOISE_AWARE);
-    let [range, second] = parameter.ranges(&config).map(|range| range.to_string());
-    let mut notes = Vec::new();
-    if !parameter.unit.is_empty() {
-        notes.push(format!("in {}", parameter.unit));
-    }
-    notes.extend((!range.is_empty()).then(|| if second == range { range } else { format!("{range}; {second}") }));
-    notes.extend(parameter.default().map(|value| format!("default: {value}")));
-    notes.extend(uses(parameter));
-    notes
-}
-
-/// With which choice a parameter is used; the heading of most steps tells the method.
-fn uses(parameter: &Parameter) -> Option<String> {
-    let own = |need: &&Need| need.name != "method" || matches!(parameter.step, Step::Separate | Step::Select);
-    let needs: Vec<String> =
-        parameter.needs.iter().filter(own).map(|need| format!("--{} {}", need.name, words(need.words))).collect();
-    (!needs.is_empty()).then(|| format!("with {}", needs.join(" and ")))
 }
 
 /// Whether its values are words alone, which the help lists by itself.
@@ -283,10 +209,10 @@ mod tests {
 
     #[test]
     fn a_preset_that_uses_it_is_the_way_out() {
-        let message = config(&["--scheme", "fd"]).expect_err("the default has no front");
+        let message = config(&["--tau", "otsu"]).expect_err("the default does not rescale");
         assert_eq!(
             message,
-            "--scheme is not used by --method significance; it needs --method rescaling, as --preset paper-f160 has"
+            "--tau is not used by --scheme region; it needs --scheme other than region, as --preset rsa has"
         );
         let message = config(&["--preset", "paper-f160", "--mu", "1"]).expect_err("for another scheme");
         assert!(message.ends_with("it needs --scheme chan-vese, as --preset chan-vese has"), "{message}");

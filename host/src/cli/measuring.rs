@@ -3,6 +3,7 @@
 use super::Usage;
 use crate::catalogue::{Choice, Format, Request};
 use crate::measure::{Extras, Neighbours};
+use crate::picture::Zoom;
 use anyhow::{Result, bail};
 use clap::Args;
 
@@ -48,15 +49,19 @@ pub struct Measuring {
     /// Outlines as outlines.json, in pixels and on the sky.
     #[arg(long, help_heading = "Catalogue")]
     polygons: bool,
-    /// The sky and the noise that the noise-aware segmentation found, as background.fits and noise.fits.
+    /// The sky and the noise that a run on signal-to-noise found, as background.fits and noise.fits.
     #[arg(long, help_heading = "Catalogue")]
     sky_maps: bool,
     /// Of the maps write segmentation.fits alone, without segmented.fits and front.fits.
     #[arg(long)]
     map_only: bool,
+    /// Scale of overlay.png: N picture pixels a pixel along each axis, or 1/N [default: near 1200 picture
+    /// pixels, up to 2048 for large images].
+    #[arg(long, value_name = "N|1/N", conflicts_with = "no_pictures")]
+    overlay_scale: Option<Zoom>,
     /// The time at which the front came to each pixel as arrival.fits, in the paper's unit; for
     /// the fast-marching scheme in f32.
-    #[arg(long, help_heading = "Front (--method rescaling)")]
+    #[arg(long, help_heading = "Front")]
     arrival: bool,
 }
 
@@ -102,6 +107,7 @@ impl Measuring {
             polygons: self.polygons,
             sky: self.sky_maps,
             arrival: self.arrival,
+            overlay: self.overlay_scale,
             map_only: self.map_only,
         }
     }

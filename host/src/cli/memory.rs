@@ -1,8 +1,7 @@
 //! The memory of runs: known when the header of an image is read, asked for before its pixels are, and shared by the
 //! images that are worked on at a time.
 
-use super::job::Manner;
-use crate::detection;
+use crate::extraction;
 use crate::pipeline::{Segmentation, room_for_sources};
 use crate::planes::can_be_had;
 use crate::read::{self, HduChoice, Image, ReadError};
@@ -21,24 +20,26 @@ const MEGA: u64 = 1_000_000;
 pub type Size = (u64, u64);
 
 /// The bytes that an image takes at most from its first pixel to its last product, beside those of its sources, with
-/// so many maps of its size.
+/// so many maps of its size, and with `pictures`.
 ///
 /// # Errors
 /// One line for an image with too many pixels.
-pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size) -> Result<u64, String> {
+pub fn need(config: &Config, pictures: bool, maps: usize, (width, height): Size) -> Result<u64, String> {
     countable(width, height)?;
     let (w, h) = (width as usize, height as usize);
     let plane = w * h * size_of::<f32>();
-    // Planes beside those of the method: the image, and what its sky takes while sources are measured.
-    let (of_method, others, of_pictures) = match config.detection {
-        Some(_) => (detection::memory(w, h).iter().map(|(bytes, _)| bytes).sum(), 0, 2),
-        None => {
-            let sl_curvature = config.scheme == Scheme::SlCurvature;
-            (bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h)), 4, 5)
-        }
-    };
-    let planes = others + maps + if manner.pictures { of_pictures } else { 0 };
-    Ok((of_method + planes * plane) as u64 + BESIDE)
+    // Planes beside those of the run: the image, and what its sky takes while sources are measured.
+    let (mut bytes_of_run, mut others, mut of_pictures) = (0, 0, 2);
+    if config.sky.is_known() {
+        bytes_of_run += extraction::memory(config, w, h).iter().map(|(bytes, _)| bytes).sum::<usize>();
+    }
+    if config.scheme != Scheme::Region {
+        let sl_curvature = config.scheme == Scheme::SlCurvature;
+        bytes_of_run += bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h));
+        (others, of_pictures) = (4, 5);
+    }
+    let planes = others + maps + if pictures { of_pictures } else { 0 };
+    Ok((bytes_of_run + planes * plane) as u64 + BESIDE)
 }
 
 /// The bytes that the sources of a run take at most while they are measured and written: each a row of the catalogue.

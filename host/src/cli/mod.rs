@@ -5,10 +5,10 @@
 mod batch;
 mod beside;
 mod budget;
-mod choices;
 mod columns;
 mod crosscheck;
 mod demo;
+mod examples;
 mod folders;
 mod foreign;
 mod given;
@@ -29,14 +29,15 @@ mod settings;
 mod simulate;
 mod table;
 
+pub use crate::truth::simulated;
 pub use beside::Beside;
-pub use demo::simulated;
 pub use measuring::Measuring;
 pub use options::Options;
 
+use crate::choices;
+use crate::settings::Refused;
 use anyhow::Result;
 use clap::{Arg, ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
-use given::Unused;
 use say::{Stderr, Stdout, Unwritten};
 use skyfront_core::config::Parameter;
 use skyfront_core::error::Error;
@@ -129,14 +130,32 @@ fn command() -> clap::Command {
         let shown = parameter(&arg) || SHORT.contains(&arg.get_id().as_str());
         if shown { arg } else { arg.hide_short_help(true) }
     };
-    Cli::command().mut_subcommand("segment", |segment| segment.mut_args(short))
+    let with_examples = |command: clap::Command| match examples::of(command.get_name()) {
+        Some(text) => command.after_long_help(format!("{text}\n\n{EXIT_CODES}")),
+        None => command,
+    };
+    Cli::command()
+        .after_long_help(format!("{}\n\n{EXIT_CODES}", examples::TASKS))
+        .mut_subcommand("segment", |segment| segment.mut_args(short))
+        .mut_subcommands(with_examples)
 }
 
 /// An error in one line; a parameter out of bounds by the name of its option.
 fn message(error: &anyhow::Error) -> String {
-    match error.downcast_ref::<Error>() {
+    match core_error(error) {
         Some(refused @ Error::Parameter { .. }) => format!("--{refused}"),
+        Some(Error::Together { choice, value, other, wanted }) => {
+            format!("--{choice} {value} needs --{other} {wanted}")
+        }
         _ => format!("{error:#}"),
+    }
+}
+
+/// The core's error where it is one.
+fn core_error(error: &anyhow::Error) -> Option<&Error> {
+    match error.downcast_ref() {
+        Some(Refused::Value(refused)) => Some(refused),
+        _ => error.downcast_ref(),
     }
 }
 
@@ -147,8 +166,9 @@ struct Usage(&'static str);
 
 /// Whether an error lies in the command line, not in the files.
 fn is_usage(error: &anyhow::Error) -> bool {
-    let refused = matches!(error.downcast_ref::<Error>(), Some(Error::Parameter { .. } | Error::Arithmetic { .. }));
-    refused || error.is::<Usage>() || error.is::<Unused>()
+    let refused =
+        matches!(core_error(error), Some(Error::Parameter { .. } | Error::Together { .. } | Error::Arithmetic { .. }));
+    refused || error.is::<Usage>() || error.is::<Refused>()
 }
 
 fn obey(cli: Cli) -> Result<ExitCode> {

@@ -2,10 +2,10 @@
 
 use super::choices::{ArithmeticOption, Preset};
 use super::given::{Given, Setting};
+use crate::input::StartMap;
 use crate::read::Place;
 use anyhow::Result;
 use clap::Args;
-use skyfront_core::arithmetic::{Arithmetic, Q11};
 use skyfront_core::config::{Config, Numbers};
 use std::path::PathBuf;
 
@@ -31,20 +31,14 @@ pub struct Options {
     pub given: Given,
 }
 
-/// Pixels between a map and the front that starts there, if nothing is said.
-const MARGIN: f32 = 4.0;
-
 impl Options {
     /// The configuration that the preset and the options amount to; not validated.
     ///
     /// # Errors
     /// An option that the chosen steps do not use, or a number that no configuration can hold.
     pub fn config(&self) -> Result<Config> {
-        let mut config = self.given.apply(self.preset.config())?;
-        if self.arithmetic == ArithmeticOption::Q11 && self.given.get("band").is_none() {
-            config.band = config.band.or(Q11::NEEDS_BAND);
-        }
-        Ok(config)
+        let config = self.given.apply(self.preset.config())?;
+        Ok(self.arithmetic.adapted(config, self.given.get("band").is_some()))
     }
 
     /// The same for a frame: with time to cross it, unless the user's own is given.
@@ -57,7 +51,7 @@ impl Options {
         let Some(Setting::Map(place)) = self.given.get("start") else { return None };
         let margin = match self.given.get("margin").map(|setting| setting.value().numbers) {
             Some(Numbers::One(margin)) => margin,
-            _ => MARGIN,
+            _ => StartMap::MARGIN,
         };
         Some((place.clone(), margin))
     }

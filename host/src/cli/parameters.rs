@@ -1,7 +1,7 @@
 //! `skyfront parameters`: the table of all parameters.
 
-use super::given::notes;
 use super::say::{Stdout, Unwritten};
+use crate::settings::notes;
 use skyfront_core::config::PARAMETERS;
 
 /// Prints every parameter by its step: name, forms of its values, keyword, bounds, default, use,

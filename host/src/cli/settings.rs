@@ -4,8 +4,9 @@
 //! the help says come from the same definitions. The command line goes before the file, the file
 //! before the preset.
 
-use super::foreign::{ours, translated};
+use super::foreign::translated;
 use crate::provenance::parameters;
+use crate::settings::ours;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, Error};
@@ -19,7 +20,7 @@ use toml::{Table, Value};
 /// The argument that names the file.
 const FILE: &str = "config_file";
 /// Options that say what to do now, not how: they stand on the command line only.
-const NOT_SETTINGS: [&str; 5] = [FILE, "dump_config", "out", "help", "version"];
+const NOT_SETTINGS: [&str; 6] = [FILE, "dump_config", "out", "job_list", "help", "version"];
 
 /// The options that a file may set.
 fn settings(command: &Command) -> impl Iterator<Item = (&Arg, &str)> {

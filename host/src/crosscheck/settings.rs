@@ -2,6 +2,7 @@
 
 use crate::provenance::shortest as decimal;
 use crate::reference as r;
+use crate::reference::noise_aware::{Settings, Smoothing};
 use skyfront_core::config as c;
 
 /// The same run for the reference. An `f32` of the configuration stands for the decimal number that a person would
@@ -11,6 +12,9 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
         normalize: match config.normalize {
             c::Normalize::MinMax => r::Normalize::MinMax,
             c::Normalize::Percentile { low, high } => r::Normalize::Percentile(decimal(low), decimal(high)),
+            c::Normalize::Noise { below, above } if config.sky.is_known() => {
+                r::Normalize::Signal(decimal(below), decimal(above))
+            }
             c::Normalize::Noise { below, above } => r::Normalize::Noise(decimal(below), decimal(above)),
         },
         rescale: rescale(config.rescale),
@@ -32,7 +36,8 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Edge::G2Mod { c2 } => r::Edge::G2Mod { c2: decimal(c2) },
         },
         scheme: match config.scheme {
-            c::Scheme::Fd => r::Scheme::Fd,
+            // That of regions is none of these: it has [`settings`].
+            c::Scheme::Fd | c::Scheme::Region => r::Scheme::Fd,
             c::Scheme::FastMarching => r::Scheme::FastMarching,
             c::Scheme::Sl => r::Scheme::Sl,
             c::Scheme::FdCurvature => r::Scheme::FdCurvature,
@@ -64,11 +69,44 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Stop::Rate => r::Stop::Rate,
         },
         band: config.band.map(decimal),
-        connectivity: match config.connectivity {
-            c::Connectivity::Four => r::Connectivity::Four,
-            c::Connectivity::Eight => r::Connectivity::Eight,
-        },
+        connectivity: connectivity(config.connectivity),
         min_area: config.min_area as usize,
+    }
+}
+
+/// What the reference is asked of a run on signal-to-noise.
+pub fn settings(config: &c::Config) -> Settings {
+    let c::Config { outline, deblending, significance, .. } = config;
+    Settings {
+        cell: config.sky.cell(),
+        smoothing: match config.filter {
+            c::Filter::Gauss => Smoothing::Fine,
+            c::Filter::Adaptive => Smoothing::ByNeed,
+            _ => Smoothing::None,
+        },
+        threshold: decimal(outline.threshold),
+        steps: outline.steps,
+        curvature: decimal(outline.curvature),
+        by_tree: config.separate == c::Separate::Tree,
+        branch: decimal(deblending.branch),
+        contrast: decimal(deblending.contrast),
+        excess: decimal(deblending.excess),
+        reopened_area: deblending.reopened_area as usize,
+        sharpening: decimal(deblending.sharpening),
+        connectivity: connectivity(config.connectivity),
+        by_significance: config.select == c::Select::Significance,
+        min_area: config.min_area as usize,
+        peak: decimal(significance.peak),
+        false_sources: decimal(significance.false_sources),
+        false_share: decimal(significance.false_share),
+        light: decimal(significance.light),
+    }
+}
+
+fn connectivity(connectivity: c::Connectivity) -> r::Connectivity {
+    match connectivity {
+        c::Connectivity::Four => r::Connectivity::Four,
+        c::Connectivity::Eight => r::Connectivity::Eight,
     }
 }
 
@@ -84,8 +122,9 @@ fn rescale(rescale: c::Rescale) -> r::Rescale {
 fn filter(config: &c::Config) -> r::Filter {
     let (steps, dt) = (config.filter_steps.into(), decimal(config.filter_dt));
     match config.filter {
-        c::Filter::None => r::Filter::None,
+        c::Filter::None | c::Filter::Gauss | c::Filter::Adaptive => r::Filter::None,
         c::Filter::Heat => r::Filter::Heat { steps, dt },
+        c::Filter::Median => r::Filter::Median { steps },
         c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
             f: match diffusivity {
                 c::Diffusivity::F1 => r::Diffusivity::F1,

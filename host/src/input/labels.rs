@@ -1,7 +1,5 @@
 //! A label map that exists, whose sources are to be measured.
 
-use crate::read::Image;
-
 /// Up to here every whole number has its own f32, in which maps are read.
 const GREATEST: f32 = 16_777_216.0;
 
@@ -19,15 +17,15 @@ impl LabelMap {
     ///
     /// # Errors
     /// The index of the first value that is no label.
-    pub fn of(map: &Image) -> Result<LabelMap, usize> {
+    pub fn of(map: &[f32]) -> Result<LabelMap, usize> {
         let sound = |value: &f32| value.is_nan() || (value.fract() == 0.0 && (0.0..GREATEST).contains(value));
-        if let Some(odd) = map.pixels.iter().position(|value| !sound(value)) {
+        if let Some(odd) = map.iter().position(|value| !sound(value)) {
             return Err(odd);
         }
         let mut names: Vec<u32> = Vec::new();
         // Neighbours in a row mostly have the same label.
         let mut last = 0;
-        for label in map.pixels.iter().map(|&value| value as u32) {
+        for label in map.iter().map(|&value| value as u32) {
             if label != last && label != 0 {
                 names.push(label);
             }
@@ -36,7 +34,7 @@ impl LabelMap {
         names.sort_unstable();
         names.dedup();
         let place = |label: u32| names.binary_search(&label).map_or(0, |index| index as u32 + 1);
-        let labels = map.pixels.iter().map(|&value| if value > 0.0 { place(value as u32) } else { 0 }).collect();
+        let labels = map.iter().map(|&value| if value > 0.0 { place(value as u32) } else { 0 }).collect();
         Ok(LabelMap { labels, names })
     }
 
@@ -50,26 +48,10 @@ impl LabelMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::read::Header;
-
-    fn map(pixels: &[f32]) -> Image {
-        Image {
-            width: pixels.len(),
-            height: 1,
-            pixels: pixels.to_vec(),
-            header: Header::default(),
-            primary: Header::default(),
-            hdu: 0,
-            name: None,
-            bitpix: 32,
-            checksum: 0,
-            warnings: Vec::new(),
-        }
-    }
 
     #[test]
     fn labels_with_gaps_become_a_row_and_keep_their_names() {
-        let found = LabelMap::of(&map(&[0.0, 7.0, 7.0, f32::NAN, 3.0, 900_000.0, 7.0])).expect("labels");
+        let found = LabelMap::of(&[0.0, 7.0, 7.0, f32::NAN, 3.0, 900_000.0, 7.0]).expect("labels");
         assert_eq!(
             (found.labels.as_slice(), found.names.as_slice()),
             (&[0, 2, 2, 0, 1, 3, 2][..], &[3, 7, 900_000][..])
@@ -80,7 +62,7 @@ mod tests {
     #[test]
     fn what_is_no_label_is_found() {
         for odd in [0.5, -1.0, GREATEST, f32::INFINITY] {
-            assert_eq!(LabelMap::of(&map(&[1.0, odd])), Err(1), "{odd}");
+            assert_eq!(LabelMap::of(&[1.0, odd]), Err(1), "{odd}");
         }
     }
 }

@@ -96,7 +96,7 @@ impl Maps {
         loader.band = 0;
         if let Some(place) = &self.segmentation {
             let map = loader.image("segmentation", "SFSEGMAP", place)?;
-            let labels = LabelMap::of(&map).map_err(|at| Reason::Content {
+            let labels = LabelMap::of(&map.pixels).map_err(|at| Reason::Content {
                 file: place.to_string(),
                 x: at % map.width + 1,
                 y: at / map.width + 1,

@@ -20,6 +20,9 @@ pub enum StartMap {
 }
 
 impl StartMap {
+    /// Pixels between a map and the front that starts there, if nothing is said.
+    pub const MARGIN: f32 = 4.0;
+
     /// The start that a map of rows of `width` means: a level set where values are negative, else
     /// `margin` pixels outside those that are not 0. Undefined pixels count as outside.
     pub fn of(values: &[f32], width: usize, margin: f32) -> StartMap {

@@ -5,7 +5,8 @@ use crate::measure::clipped_scatter;
 use crate::read::Image;
 
 /// What the values of a weight map are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum WeightType {
     /// Standard deviations, in units of the image.
     Rms,
@@ -16,6 +17,18 @@ pub enum WeightType {
 }
 
 impl WeightType {
+    /// Every type.
+    pub const ALL: [WeightType; 3] = [WeightType::Rms, WeightType::Variance, WeightType::Weight];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            WeightType::Rms => "rms",
+            WeightType::Variance => "variance",
+            WeightType::Weight => "weight",
+        }
+    }
+
     /// The standard deviation for a value of the map, for `Weight` up to the factor; NaN where the
     /// pixel must not be used.
     fn sigma(self, value: f32) -> f32 {
@@ -58,7 +71,7 @@ mod tests {
 
     #[test]
     fn every_type_gives_the_same_noise() {
-        let image = crate::cli::simulated(skyfront_core::simulate::Kind::Bright, 1, 64, 64).0;
+        let image = crate::truth::simulated(skyfront_core::simulate::Kind::Bright, 1, 64, 64).0;
         let map = |value: f32| vec![value, 0.0, -1.0, f32::NAN, f32::INFINITY];
         for (kind, value) in [(WeightType::Rms, 2.0), (WeightType::Variance, 4.0)] {
             let noise = kind.noise(&map(value), &image);
@@ -70,7 +83,7 @@ mod tests {
 
     #[test]
     fn relative_weights_are_scaled_to_the_sky() {
-        let (mut image, sky) = crate::cli::simulated(skyfront_core::simulate::Kind::Bright, 1, 128, 128);
+        let (mut image, sky) = crate::truth::simulated(skyfront_core::simulate::Kind::Bright, 1, 128, 128);
         // The right half three times as noisy, around its own sky.
         let level = 0.0;
         let weights: Vec<f32> = (0..image.pixels.len()).map(|at| if at % 128 < 64 { 9.0 } else { 1.0 }).collect();

@@ -161,6 +161,20 @@ pub struct Measured {
     pub bands: Vec<Measured>,
 }
 
+impl Measured {
+    /// Moves all places by so many columns and rows: those of a part of an image become those of the image.
+    pub fn shift(&mut self, (columns, rows): (usize, usize)) {
+        let (x, y) = (columns as f64, rows as f64);
+        let by =
+            |(first, last): (u32, u32), (columns, rows): (usize, usize)| (first + columns as u32, last + rows as u32);
+        self.source.columns = by(self.source.columns, (columns, columns));
+        self.source.rows = by(self.source.rows, (rows, rows));
+        self.values.peak_at = by(self.values.peak_at, (columns, rows));
+        (self.shape.x, self.shape.y) = (self.shape.x + x, self.shape.y + y);
+        (self.windowed.x, self.windowed.y) = (self.windowed.x + x, self.windowed.y + y);
+    }
+}
+
 /// Measures all sources; labels are those of `scene`, 1 for the first source. Cost: one pass over
 /// the image, and the pixels of every aperture.
 pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {

@@ -5,7 +5,8 @@ use super::{Extras, Flux, Level, estimate};
 use skyfront_core::sources::flags;
 
 /// What an aperture counts where it meets the pixels of other sources.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Neighbours {
     /// The light of the pixel opposite to the aperture's centre, as SExtractor's `CORRECT`; nothing
     /// where that one cannot serve either. Undefined pixels are replaced in the same way.
@@ -15,6 +16,20 @@ pub enum Neighbours {
     Mask,
     /// Their light.
     Keep,
+}
+
+impl Neighbours {
+    /// Every way, the default first.
+    pub const ALL: [Neighbours; 3] = [Neighbours::Correct, Neighbours::Mask, Neighbours::Keep];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Neighbours::Correct => "correct",
+            Neighbours::Mask => "mask",
+            Neighbours::Keep => "keep",
+        }
+    }
 }
 
 /// A pixel, and its place from the centre of an aperture.

@@ -4,7 +4,7 @@ use super::canvas::TextSize;
 use super::outline::{Panel, Zoom};
 use super::{Canvas, Colour, PALETTE, Stretch};
 use crate::pipeline::{Segmentation, StagePlanes};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Scheme};
 
 /// The longer side of one panel, about.
 const SIDE: usize = 400;
@@ -25,8 +25,8 @@ const PAPER: [Caption; 6] = [
     ("front", "blue where it has passed, outlined where it stopped"),
     ("segments", "each source in a colour of its own"),
 ];
-/// Those of the noise-aware segmentation, in the same places; it rescales nothing.
-const NOISE_AWARE: [Caption; 6] = [
+/// Those of a front by regions, in the same places; nothing is rescaled.
+const BY_REGION: [Caption; 6] = [
     ("signal to noise", "above the sky, in units of a pixel's noise"),
     ("", ""),
     ("smoothed", "noise smoothed away where no detail is lost"),
@@ -37,7 +37,7 @@ const NOISE_AWARE: [Caption; 6] = [
 
 /// The stages of a configuration, in order; those without a name have no picture.
 pub fn captions(config: &Config) -> [Caption; 6] {
-    if config.detection.is_some() { NOISE_AWARE } else { PAPER }
+    if config.scheme == Scheme::Region { BY_REGION } else { PAPER }
 }
 
 /// Draws one stage by its place in [`captions`], if there is anything to draw.
@@ -71,18 +71,17 @@ const MOST_LEVEL: f32 = 10.0;
 
 /// Draws one panel; whether there was anything to draw.
 fn draw(canvas: &mut Canvas, panel: &Panel, run: &Segmentation, planes: &StagePlanes, index: usize) -> bool {
-    let unit = Stretch::linear(0.0, 1.0);
-    let mut grey = |plane: &[f32]| {
+    let mut grey = |plane: &[f32], stretch: &Stretch| {
         if !plane.is_empty() {
-            panel.draw(canvas, |pixel| [unit.shade(plane[pixel]); 3]);
+            panel.draw_image(canvas, plane, stretch);
         }
         !plane.is_empty()
     };
     match index {
-        0 => grey(&planes.normalised),
-        1 => grey(&planes.rescaled),
-        2 => grey(&planes.filtered),
-        3 => grey(&planes.edge),
+        0 => grey(&planes.normalised, &Stretch::of(&planes.normalised)),
+        1 => grey(&planes.rescaled, &Stretch::of(&planes.rescaled)),
+        2 => grey(&planes.filtered, &Stretch::of(&planes.filtered)),
+        3 => grey(&planes.edge, &Stretch::linear(0.0, 1.0)),
         4 => {
             let most = run.front.iter().fold(0.0f32, |most, value| most.max(value.abs())).min(MOST_LEVEL);
             panel.draw(canvas, |pixel| level_colour(run.front[pixel], most));

@@ -26,6 +26,7 @@ mod fd_curvature;
 mod fd_filtered;
 mod filter;
 mod front;
+pub mod noise_aware;
 mod normalize;
 mod otsu;
 mod parameters;
@@ -49,7 +50,7 @@ pub use parameters::{
 };
 pub use plane::{Around, Plane};
 pub use rescale::{r1, r2, r3, rescale, threshold};
-pub use segments::{centroids, label, sources};
+pub use segments::{centroids, is_beyond_reach, label, sources};
 pub use settle::settle;
 pub use threshold::{kapur, noise, rosin};
 

@@ -1,31 +1,44 @@
-//! The noise-aware segmentation, and the parts of it that hosts call.
+//! A run on signal-to-noise, and the parts of it that hosts call.
 
 use skyfront_core::arithmetic::Fixed14;
-use skyfront_core::run::detect::{self, Found, Known, Workspace};
-use skyfront_core::config::detection::Detection;
+use skyfront_core::config::Config;
+use skyfront_core::run::extract::{Extractor, Found, Progress, extract};
+use skyfront_core::run::workspace::{self, Workspace};
+use skyfront_core::sky::view::Known;
 use skyfront_core::error::Error;
 use skyfront_core::sky::{self, Mesh, Seen, Sky, Survey, Values};
 use skyfront_core::plane::sort::Keys;
 
 #[unsafe(export_name = "detect_f32")]
-fn in_f32(pixels: &[f32], width: usize, known: &Known<'_>, setting: &Detection, work: &mut Workspace<'_, f32>) -> Result<Found, Error> {
-    detect::detect(pixels, width, known, setting, work)
+fn in_f32(pixels: &[f32], width: usize, known: Known<'_>, config: &Config, work: Workspace<'_, f32>) -> Result<Found, Error> {
+    extract(config, pixels, width, known, work)
 }
 
 #[unsafe(export_name = "detect_q24")]
-fn in_q24(pixels: &[f32], width: usize, known: &Known<'_>, setting: &Detection, work: &mut Workspace<'_, Fixed14>) -> Result<Found, Error> {
-    detect::detect(pixels, width, known, setting, work)
+fn in_q24(pixels: &[f32], width: usize, known: Known<'_>, config: &Config, work: Workspace<'_, Fixed14>) -> Result<Found, Error> {
+    extract(config, pixels, width, known, work)
 }
 
 #[unsafe(export_name = "sky")]
-fn measure(pixels: &[f32], seen: &[Seen], size: (usize, usize), cells: &mut [Sky], mut keys: Keys<'_>, at: (usize, usize)) -> (Survey, Sky) {
+fn measure(pixels: &[f32], seen: &[Seen], size: (usize, usize), cell: usize, cells: &mut [Sky], mut keys: Keys<'_>, at: (usize, usize)) -> (Survey, Sky) {
     let values = Values::measure(pixels, size.0, |_| true, keys.again());
-    let mut mesh = Mesh::blank(cells, size);
+    let mut mesh = Mesh::blank(cells, size, cell);
     let survey = mesh.measure(pixels, |at| seen.get(at).copied().unwrap_or(Seen::Sky), &values, keys);
     (survey, mesh.at(at.0, at.1))
 }
 
 #[unsafe(export_name = "detection_room")]
-fn room(width: usize, height: usize) -> [usize; 4] {
-    [detect::bytes(width, height), detect::regions(width, height), sky::mesh_cells(width, height), sky::cell_pixels(width, height)]
+fn room(width: usize, height: usize, cell: usize) -> [usize; 4] {
+    [
+        workspace::bytes(width, height, cell),
+        workspace::regions(width, height),
+        sky::mesh_cells(width, height, cell),
+        sky::cell_pixels(width, height, cell),
+    ]
+}
+
+#[unsafe(export_name = "extractor")]
+fn with_a_front(run: &mut Extractor<'_, '_, f32>, inside: &[bool]) -> Result<Progress, Error> {
+    run.outline(|at| inside.get(at).copied().unwrap_or(false));
+    run.poll()
 }

@@ -3,7 +3,9 @@
 //!
 //! Simulated skies of high and low signal to noise and of stars, as the paper would segment them.
 
-use skyfront_core::config::Scheme;
+use skyfront::crosscheck::{Comparison, compare_signal, whole_run};
+use skyfront::pipeline::{Drive, segment};
+use skyfront_core::config::{Config, Scheme};
 use skyfront_core::simulate::Kind;
 use skyfront_tests::agreement::Agreement;
 use skyfront_tests::captions::{CAPTIONS, RESCALINGS, paper};
@@ -65,5 +67,24 @@ fn the_captions_of_the_paper() {
         let core = Agreement::of(&caption.config(), &pixels, SIDE).core;
         let f32 = core[0].as_ref().expect("f32 serves every scheme");
         assert!(f32.steps.0.abs_diff(f32.steps.1) <= 2 && f32.mask_pixels <= 2, "{caption:?}: {f32:?}");
+    }
+}
+
+/// The default, and the paper's front on what it makes: whole runs go the same ways, but for single pixels at a border
+/// where a rounding decides.
+#[test]
+fn the_default() {
+    for (kind, seed, config) in [
+        (Kind::Bright, 3, Config::NOISE_AWARE),
+        (Kind::Noisy, 4, Config::NOISE_AWARE),
+        (Kind::Noisy, 5, Config::RSA),
+        (Kind::Stars, 6, Config::NOISE_AWARE),
+    ] {
+        let pixels = sky(kind, seed, SIDE, SIDE);
+        let reference = whole_run(&config, &pixels, SIDE).expect("a sky");
+        let core = segment(&config, &pixels, SIDE, SIDE, &mut Drive::default()).expect("a sky");
+        let Comparison { sources, label_pixels, .. } = compare_signal(&pixels, &core, &reference, 1.0);
+        println!("{kind:?} {seed}: {sources:?} sources, {label_pixels} pixels");
+        assert!(sources.0 > 0 && sources.0 == sources.1 && label_pixels <= 2, "{kind:?} {seed}");
     }
 }

@@ -82,7 +82,7 @@ fn what_has_no_reference_is_refused_by_name() {
     for options in [&[][..], &["--preset", "noise-aware"]] {
         let run = skyfront(["crosscheck", &sky].iter().chain(options));
         assert_eq!(run.status.code(), Some(2), "{}", text(&run));
-        assert!(messages(&run).contains("no word on the noise-aware segmentation"), "{}", messages(&run));
+        assert!(messages(&run).contains("no word on signal-to-noise"), "{}", messages(&run));
         assert_eq!(text(&run), "");
     }
     let run = skyfront(["crosscheck", &sky, "--preset", "paper-f160", "--start", &sky]);

@@ -1,21 +1,21 @@
 //! The noise-aware default on noise alone, on spikes, stars, galaxies and odd frames.
 
 use skyfront::background::SkyMaps;
-use skyfront::detection::segment;
+use skyfront::extraction::segment;
 use skyfront::pipeline::{Drive, Segmentation};
-use skyfront_core::arithmetic::Fixed14;
-use skyfront_core::config::detection::Detection;
+use skyfront_core::arithmetic::{F32, Fixed14};
+use skyfront_core::config::{Background, Config, Deblending, Outline, Significance};
 use skyfront_core::error::Error;
 use skyfront_core::simulate::Kind;
 use skyfront_tests::noise::{add_star, correlated, gaussian};
 use skyfront_tests::runs::{apart, sky};
 
-fn run(setting: &Detection, pixels: &[f32], width: usize) -> Segmentation {
-    segment::<f32>(setting, pixels, width, &Drive::default()).expect("the frame can be segmented")
+fn run(setting: &Config, pixels: &[f32], width: usize) -> Segmentation {
+    segment::<F32, f32>(setting, pixels, width, &mut Drive::default()).expect("the frame can be segmented")
 }
 
 fn sources(pixels: &[f32], width: usize) -> u32 {
-    run(&Detection::DEFAULT, pixels, width).outcome.sources
+    run(&Config::NOISE_AWARE, pixels, width).outcome.sources
 }
 
 #[test]
@@ -31,14 +31,12 @@ fn pure_noise_has_at_most_two_sources() {
 /// the threshold, whether pixels are correlated or not.
 #[test]
 fn false_sources_are_as_many_as_expected() {
-    let bare = Detection {
-        outline: 0.5,
-        peak: 0.0,
-        light: 0.0,
+    let outline = Config::NOISE_AWARE.outline;
+    let bare = Config {
+        outline: Outline { threshold: 0.5, ..outline },
+        significance: Significance { peak: 0.0, light: 0.0, false_share: 0.0, false_sources: 40.0 },
         min_area: 1,
-        false_share: 0.0,
-        false_sources: 40.0,
-        ..Detection::DEFAULT
+        ..Config::NOISE_AWARE
     };
     for (seed, k) in [(4, 0.0), (5, 0.18), (6, 0.4)] {
         let pixels = correlated(seed, 1000, k);
@@ -74,7 +72,7 @@ fn spikes_are_no_sources_and_stars_are() {
     for (index, peak) in [15.0f32, 60.0, 250.0, 4000.0].into_iter().enumerate() {
         add_star(&mut pixels, side, (140.3, 30.4 + 40.0 * index as f32), 1.1, peak);
     }
-    let found = run(&Detection::DEFAULT, &pixels, side);
+    let found = run(&Config::NOISE_AWARE, &pixels, side);
     assert_eq!(found.outcome.sources, 4);
     for index in 0..4 {
         assert!(found.labels[(30 + 40 * index) * side + 140] > 0, "star {index} is lost");
@@ -93,11 +91,11 @@ fn a_grainy_galaxy_stays_whole() {
         .zip(gaussian(11, side * side))
         .map(|(&light, noise)| light + noise * (1.0 + 0.25 * light).sqrt())
         .collect();
-    let alone = run(&Detection::DEFAULT, &pixels, side);
+    let alone = run(&Config::NOISE_AWARE, &pixels, side);
     assert_eq!((alone.outcome.sources, alone.blended), (1, Some(vec![false])));
     let mut both = pixels;
     add_star(&mut both, side, (160.0, 128.0), 1.3, 60.0);
-    let found = run(&Detection::DEFAULT, &both, side);
+    let found = run(&Config::NOISE_AWARE, &both, side);
     assert_eq!(found.outcome.sources, 2);
     assert_ne!(found.labels[128 * side + 160], found.labels[128 * side + 120]);
     assert_eq!(found.blended, Some(vec![true, true]));
@@ -133,7 +131,7 @@ fn touching_stars_are_apart() {
     add_star(&mut pixels, side, (45.0, 48.0), 1.3, 200.0);
     add_star(&mut pixels, side, (50.0, 48.0), 1.3, 30.0);
     add_star(&mut pixels, side, (70.0, 80.0), 1.3, 30.0);
-    let found = run(&Detection::DEFAULT, &pixels, side);
+    let found = run(&Config::NOISE_AWARE, &pixels, side);
     assert_eq!((found.outcome.sources, found.blended), (3, Some(vec![true, true, false])));
     assert_ne!(found.labels[48 * side + 45], found.labels[48 * side + 50]);
 }
@@ -146,7 +144,7 @@ fn undefined_pixels_are_in_no_source() {
     for x in 50..90 {
         pixels[66 * side + x] = f32::NAN;
     }
-    let found = run(&Detection::DEFAULT, &pixels, side);
+    let found = run(&Config::NOISE_AWARE, &pixels, side);
     assert!(found.labels[64 * side + 64] > 0);
     assert!((50..90).all(|x| found.labels[66 * side + x] == 0));
 }
@@ -154,14 +152,14 @@ fn undefined_pixels_are_in_no_source() {
 /// Fixed point rounds, which must change next to nothing, and saturates, which only very bright stars see.
 #[test]
 fn fixed_point_finds_what_single_precision_finds() {
-    let drive = Drive::default();
+    let mut drive = Drive::default();
     for (kind, seed, noise) in [(Kind::Bright, 1, 8e-4), (Kind::Noisy, 2, 0.01), (Kind::Stars, 3, 10.0)] {
         let mut pixels = sky(kind, seed, 320, 240);
         for (star, most) in [(0.0, [0, 20]), (2e5, [2, 80])] {
             add_star(&mut pixels, 320, (250.0, 200.0), 1.5, star * noise);
             let runs = [
-                segment::<f32>(&Detection::DEFAULT, &pixels, 320, &drive),
-                segment::<Fixed14>(&Detection::DEFAULT, &pixels, 320, &drive),
+                segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, 320, &mut drive),
+                segment::<F32, Fixed14>(&Config::NOISE_AWARE, &pixels, 320, &mut drive),
             ]
             .map(|run| run.expect("the frame can be segmented"));
             let [sources, mask] = apart(&runs);
@@ -171,7 +169,7 @@ fn fixed_point_finds_what_single_precision_finds() {
             assert!(within, "{kind:?}: {sources} sources and {mask} of 76800 pixels differ");
         }
     }
-    let long = segment::<Fixed14>(&Detection::DEFAULT, &vec![0.0; 65_537], 65_537, &drive).err();
+    let long = segment::<F32, Fixed14>(&Config::NOISE_AWARE, &vec![0.0; 65_537], 65_537, &mut drive).err();
     assert!(matches!(long, Some(Error::Arithmetic { name: "q24", .. })), "{long:?}");
 }
 
@@ -182,14 +180,15 @@ fn a_given_noise_map_says_which_pixels_are_noisier() {
     let pixels: Vec<f32> = correlated(14, side, 0.0).iter().enumerate().map(|(at, noise)| noise * scale(at)).collect();
     let map: Vec<f32> = (0..side * side).map(|at| 0.01 * scale(at)).collect();
     let sky = vec![0.0; side * side];
-    let drive = Drive { background: Some(&sky), noise: Some(&map), relative: true, ..Drive::default() };
+    let mut drive = Drive { background: Some(&sky), noise: Some(&map), relative: true, ..Drive::default() };
     let mut with_stars = pixels.clone();
     add_star(&mut with_stars, side, (60.0, 128.0), 1.5, 12.0);
-    let found = segment::<f32>(&Detection::DEFAULT, &with_stars, side, &drive).expect("the frame can be segmented");
+    let found =
+        segment::<F32, f32>(&Config::NOISE_AWARE, &with_stars, side, &mut drive).expect("the frame can be segmented");
     assert_eq!(found.outcome.sources, 1);
     assert!(found.labels[128 * side + 60] > 0);
-    let short = Drive { noise: Some(&map[1..]), ..Drive::default() };
-    let refused = segment::<f32>(&Detection::DEFAULT, &pixels, side, &short).err();
+    let mut short = Drive { noise: Some(&map[1..]), ..Drive::default() };
+    let refused = segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, side, &mut short).err();
     assert!(matches!(refused, Some(Error::Length { .. })), "{refused:?}");
 }
 
@@ -197,27 +196,30 @@ fn a_given_noise_map_says_which_pixels_are_noisier() {
 fn small_and_constant_frames_are_taken() {
     for (width, height) in [(1, 1), (1, 9), (2, 2), (3, 7), (7, 3), (7, 7), (8, 8), (5, 40)] {
         let pixels = gaussian(15, width * height);
-        match segment::<f32>(&Detection::DEFAULT, &pixels, width, &Drive::default()) {
+        match segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, width, &mut Drive::default()) {
             Ok(found) => assert_eq!(found.labels.len(), width * height),
             Err(Error::NoSky { .. }) => assert!(width * height < 16, "{width} x {height} has a sky"),
             Err(other) => panic!("{width} x {height}: {other}"),
         }
     }
-    let flat = segment::<f32>(&Detection::DEFAULT, &[7.0; 64 * 64], 64, &Drive::default()).err();
+    let flat = segment::<F32, f32>(&Config::NOISE_AWARE, &[7.0; 64 * 64], 64, &mut Drive::default()).err();
     assert_eq!(flat, Some(Error::NoNoise { value: 7.0, equal: 4096, defined: 4096 }));
 }
 
 #[test]
 fn settings_out_of_bounds_are_named() {
+    let good = Config::NOISE_AWARE;
+    let (outline, significance, deblending) = (good.outline, good.significance, good.deblending);
     let wrong = [
-        ("threshold", Detection { outline: 0.0, ..Detection::DEFAULT }),
-        ("min-peak", Detection { peak: f32::NAN, ..Detection::DEFAULT }),
-        ("false-share", Detection { false_share: 0.6, ..Detection::DEFAULT }),
-        ("min-area", Detection { min_area: 0, ..Detection::DEFAULT }),
-        ("deblend-sharpening", Detection { sharpening: 5.0, ..Detection::DEFAULT }),
+        ("threshold", Config { outline: Outline { threshold: 0.0, ..outline }, ..good }),
+        ("min-peak", Config { significance: Significance { peak: f32::NAN, ..significance }, ..good }),
+        ("false-share", Config { significance: Significance { false_share: 0.6, ..significance }, ..good }),
+        ("min-area", Config { min_area: 0, ..good }),
+        ("deblend-sharpening", Config { deblending: Deblending { sharpening: 5.0, ..deblending }, ..good }),
+        ("sky", Config { sky: Background::Mesh { size: 15 }, ..good }),
     ];
     for (expected, setting) in wrong {
-        match segment::<f32>(&setting, &[0.0; 64], 8, &Drive::default()) {
+        match segment::<F32, f32>(&setting, &[0.0; 64], 8, &mut Drive::default()) {
             Err(Error::Parameter { name, .. }) => assert_eq!(name, expected),
             other => panic!("{expected} is accepted: {:?}", other.err()),
         }

@@ -1,16 +1,16 @@
 //! The default on skies as detectors deliver them: in steps, cut off, counted, filled, in windows, in crowds.
 
-use skyfront::detection::segment;
+use skyfront::extraction::segment;
 use skyfront::pipeline::{Drive, Segmentation};
-use skyfront_core::arithmetic::{Fixed14, Level};
-use skyfront_core::config::detection::Detection;
+use skyfront_core::arithmetic::{F32, Fixed14, Level};
+use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_tests::noise::{add_star, correlated, gaussian};
 
 const SIDE: usize = 200;
 
 fn run<L: Level>(pixels: &[f32], width: usize) -> Segmentation {
-    segment::<L>(&Detection::DEFAULT, pixels, width, &Drive::default()).expect("the frame can be segmented")
+    segment::<F32, L>(&Config::NOISE_AWARE, pixels, width, &mut Drive::default()).expect("the frame can be segmented")
 }
 
 /// Sixteen stars of 12 to 120 noise units, none near another.
@@ -260,21 +260,21 @@ fn a_crowd_does_not_run_away() {
 
 #[test]
 fn a_frame_without_a_sky_says_why() {
-    let refused = |pixels: &[f32], width: usize, drive: &Drive<'_>| {
-        segment::<f32>(&Detection::DEFAULT, pixels, width, drive).err()
+    let refused = |pixels: &[f32], width: usize, drive: &mut Drive<'_>| {
+        segment::<F32, f32>(&Config::NOISE_AWARE, pixels, width, drive).err()
     };
     let mut hot = vec![7.0; 64 * 64];
     hot[0] = f32::NAN;
-    let plain = Drive::default();
-    assert_eq!(refused(&hot, 64, &plain), Some(Error::NoNoise { value: 7.0, equal: 4095, defined: 4095 }));
+    let mut plain = Drive::default();
+    assert_eq!(refused(&hot, 64, &mut plain), Some(Error::NoNoise { value: 7.0, equal: 4095, defined: 4095 }));
     let few: Vec<f32> = (0..64 * 64).map(|at| if at < 15 { at as f32 } else { f32::NAN }).collect();
-    assert_eq!(refused(&few, 64, &plain), Some(Error::NoSky { defined: 15, needed: 16 }));
-    assert_eq!(refused(&[f32::NAN; 64], 8, &plain), Some(Error::NothingDefined { pixels: 64 }));
+    assert_eq!(refused(&few, 64, &mut plain), Some(Error::NoSky { defined: 15, needed: 16 }));
+    assert_eq!(refused(&[f32::NAN; 64], 8, &mut plain), Some(Error::NothingDefined { pixels: 64 }));
     // Given sky and noise make up for it.
     let (level, noise) = (vec![7.0; 64 * 64], vec![1.0; 64 * 64]);
-    let given = Drive { background: Some(&level), noise: Some(&noise), ..Drive::default() };
-    assert_eq!(refused(&hot, 64, &given), None);
-    assert_eq!(refused(&few, 64, &given), None);
+    let mut given = Drive { background: Some(&level), noise: Some(&noise), ..Drive::default() };
+    assert_eq!(refused(&hot, 64, &mut given), None);
+    assert_eq!(refused(&few, 64, &mut given), None);
 }
 
 /// A noise that is given is believed, however wrong; only weights are scaled to the image.
@@ -283,8 +283,11 @@ fn a_given_noise_is_absolute_and_a_weight_is_relative() {
     let pixels: Vec<f32> = sky(80).iter().map(|value| 100.0 + 5.0 * value).collect();
     let found = |noise: f32, relative: bool| {
         let map = vec![noise; pixels.len()];
-        let drive = Drive { noise: Some(&map), relative, ..Drive::default() };
-        segment::<f32>(&Detection::DEFAULT, &pixels, SIDE, &drive).expect("the frame can be segmented").sources.len()
+        let mut drive = Drive { noise: Some(&map), relative, ..Drive::default() };
+        segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut drive)
+            .expect("the frame can be segmented")
+            .sources
+            .len()
     };
     assert_eq!([found(5.0, false), found(50.0, true), found(0.05, true)], [16; 3]);
     let brighter = stars(80).iter().filter(|(_, _, peak)| *peak > 20.0).count();

@@ -148,7 +148,7 @@ fn what_a_caller_can_get_wrong_is_an_error_with_names_and_numbers() {
         (Config { edge: Edge::G2Mod { c2: 1.0 }, ..good }, "c2 is 1; must be below 1"),
         (Config { filter: Filter::None, eps: 0.0, ..good }, "eps is 0; must be above 0"),
         (Config { directions: 12, ..good }, "directions is 12; must be 16 or 64"),
-        (Config::NOISE_AWARE, "the method is significance"),
+        (Config::NOISE_AWARE, "the front of the scheme region is moved by an extractor"),
     ] {
         let said = error(config, &pixels);
         assert!(said.starts_with(words), "'{said}' does not begin with '{words}'");

@@ -1,13 +1,13 @@
 //! `skyfront score`: by hand, against the independent scorer, and what the default reaches.
 
 use serde_json::Value;
-use skyfront::detection::segment;
+use skyfront::extraction::segment;
 use skyfront::pipeline::Drive;
 use skyfront::read::{HduChoice, image};
 use skyfront::score::score;
 use skyfront::write::fits::Writer;
-use skyfront_core::arithmetic::Fixed14;
-use skyfront_core::config::detection::Detection;
+use skyfront_core::arithmetic::{F32, Fixed14};
+use skyfront_core::config::Config;
 use skyfront_tests::command::{Folder, skyfront};
 use skyfront_tests::runs::apart;
 use skyfront_tests::scenes::{folder, load};
@@ -70,7 +70,8 @@ fn the_command_agrees_with_the_independent_scorer() {
     let place = |name: &str| scenes.join(name).display().to_string();
     let (truth, light) = (place("deep_dev0_truth.fits.gz"), place("deep_dev0.fits"));
     let scene = load("deep_dev0").expect("the folder is there");
-    let run = segment::<f32>(&Detection::DEFAULT, &scene.pixels, scene.width, &Drive::default()).expect("a scene");
+    let run =
+        segment::<F32, f32>(&Config::NOISE_AWARE, &scene.pixels, scene.width, &mut Drive::default()).expect("a scene");
     let temporary = Folder::new("scores");
     let map = temporary.file("map.fits");
     let mut writer = Writer::create(Path::new(&map)).expect("the file can be made");
@@ -106,8 +107,8 @@ fn the_default_keeps_its_scores_on_the_simulated_skies() {
             let truth = image(&path, Some(&HduChoice::Number(0))).unwrap_or_else(|error| panic!("{error}"));
             let truth: Vec<i64> = truth.pixels.iter().map(|&label| label as i64).collect();
             let runs = [
-                segment::<f32>(&Detection::DEFAULT, &scene.pixels, scene.width, &Drive::default()),
-                segment::<Fixed14>(&Detection::DEFAULT, &scene.pixels, scene.width, &Drive::default()),
+                segment::<F32, f32>(&Config::NOISE_AWARE, &scene.pixels, scene.width, &mut Drive::default()),
+                segment::<F32, Fixed14>(&Config::NOISE_AWARE, &scene.pixels, scene.width, &mut Drive::default()),
             ]
             .map(|run| run.expect("a scene"));
             for (sum, run) in sums.iter_mut().zip(&runs) {

@@ -1,10 +1,10 @@
 //! What real optics and detectors make of a star stays one source, in every arithmetic.
 
-use skyfront::detection::segment;
+use skyfront::extraction::segment;
 use skyfront::pipeline::{Drive, Segmentation};
 use skyfront::write::fits::Writer;
-use skyfront_core::arithmetic::{Fixed14, Level};
-use skyfront_core::config::detection::Detection;
+use skyfront_core::arithmetic::{F32, Fixed14, Level};
+use skyfront_core::config::Config;
 use skyfront_core::sources::flags::PLATEAU;
 use skyfront_tests::command::{Folder, skyfront};
 use skyfront_tests::noise::gaussian;
@@ -54,7 +54,7 @@ fn stars(seed: u64, shape: impl Fn(f32, f32) -> f32) -> Vec<f32> {
 }
 
 fn run<L: Level>(pixels: &[f32]) -> Segmentation {
-    segment::<L>(&Detection::DEFAULT, pixels, SIDE, &Drive::default()).expect("the frame can be segmented")
+    segment::<F32, L>(&Config::NOISE_AWARE, pixels, SIDE, &mut Drive::default()).expect("the frame can be segmented")
 }
 
 /// Every star is one source, and there is no other, in either arithmetic; what single precision found.
@@ -139,6 +139,21 @@ fn the_catalogue_tells_of_a_plateau() {
     let column = column.expect("there is a column of flags");
     let flags: Vec<u32> = lines.filter_map(|line| line.split(',').nth(column)?.parse().ok()).collect();
     assert_eq!(flags, [PLATEAU; PLACES.len()]);
+}
+
+/// Each of two companions on opposite sides of a brighter star lies where the mirror shows the other.
+#[test]
+fn companions_opposite_each_other_are_sources() {
+    let mut pixels = stars(13, |dx, dy| 40.0 * moffat(dx, dy, 3.0));
+    let beside = |off: f32| PLACES.map(|(x, y)| (x + off, y + 0.5 * off));
+    for (x, y) in beside(6.0).into_iter().chain(beside(-6.0)) {
+        for (at, pixel) in pixels.iter_mut().enumerate() {
+            let (dx, dy) = ((at % SIDE) as f32 - x, (at / SIDE) as f32 - y);
+            *pixel += 20.0 * moffat(dx, dy, 3.0);
+        }
+    }
+    let found = [run::<f32>(&pixels), run::<Fixed14>(&pixels)].map(|found| found.outcome.sources);
+    assert_eq!(found, [3 * PLACES.len() as u32; 2], "f32, q24");
 }
 
 /// Stars that hardly light two by two pixels, and hot pixels between them.

@@ -1,13 +1,15 @@
-//! The digests of the noise-aware segmentation, which must be the same on every processor.
+//! The digests of the default, which must be the same on every processor.
 
 use crate::bits::words;
 use crate::case;
 use skyfront_core::arithmetic::Level;
 use skyfront_core::arithmetic::digest;
-use skyfront_core::config::detection::Detection;
-use skyfront_core::run::detect::{Found, Known, Workspace, detect, regions};
+use skyfront_core::config::Config;
+use skyfront_core::run::extract::{Found, extract};
 use skyfront_core::run::frame::Frame;
-use skyfront_core::sky::{Sky, mesh_cells};
+use skyfront_core::run::workspace::{Workspace, regions};
+use skyfront_core::sky::view::Known;
+use skyfront_core::sky::{CELL, Sky, mesh_cells};
 use skyfront_core::sources::tree::Region;
 
 /// Columns of every sky: two cells of the mesh.
@@ -22,7 +24,7 @@ pub struct Room<L: Level> {
     pixels: [f32; PIXELS],
     levels: [[L; PIXELS]; 6],
     words: [[u32; PIXELS]; 3],
-    mesh: [Sky; mesh_cells(WIDTH, HEIGHT)],
+    mesh: [Sky; mesh_cells(WIDTH, HEIGHT, CELL)],
     regions: [Region<L>; regions(WIDTH, HEIGHT)],
 }
 
@@ -32,7 +34,7 @@ impl<L: Level> Room<L> {
         pixels: [0.0; PIXELS],
         levels: [[L::BLANK; PIXELS]; 6],
         words: [[0; PIXELS]; 3],
-        mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT)],
+        mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT, CELL)],
         regions: [Region::BLANK; regions(WIDTH, HEIGHT)],
     };
 
@@ -50,9 +52,8 @@ impl<L: Level> Room<L> {
         let [signal, fine, smooth, front, masked, scratch] = &mut self.levels;
         let [parents, order, labels] = &mut self.words;
         let (mesh, regions) = (&mut self.mesh, &mut self.regions);
-        let mut work =
-            Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions };
-        match detect(&self.pixels, WIDTH, &Known::default(), &Detection::DEFAULT, &mut work) {
+        let work = Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions };
+        match extract(&Config::NOISE_AWARE, &self.pixels, WIDTH, Known::default(), work) {
             Ok(found) => tell("found", found_digest(&found)),
             Err(_) => tell("error", 0),
         }

@@ -53,6 +53,7 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
     fn new(config: &Config, unit: f32) -> Result<Self, Scheme> {
         let fine = config.directions == 64;
         match (config.scheme, fine) {
+            (Scheme::Region, _) => Err(config.scheme),
             (Scheme::Fd, _) => Fd::new(config, unit).map(AnyScheme::Fd),
             (Scheme::FdCurvature, _) => FdCurvature::new(config, unit).map(AnyScheme::FdCurvature),
             (Scheme::FdFiltered, _) => FdFiltered::new(config, unit).map(AnyScheme::FdFiltered),

@@ -1,10 +1,11 @@
 //! The ring of old rows: what a sweep saves of a row before it is overwritten, and the window of
 //! rows that a kernel sees.
 
-use super::{Band, Halo, row_of, row_stride};
+use super::{Band, Halo, row_stride};
 use crate::arithmetic::machine::VECTORS;
 use crate::arithmetic::vectors::COLUMNS;
 use crate::plane::beside::Beside;
+use crate::plane::rows::row_of;
 use core::ops::Range;
 
 /// Some columns of a band, row after row: keeps the ring and cuts the windows. Without vectors one

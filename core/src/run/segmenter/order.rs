@@ -28,7 +28,13 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 if state.extremes.defined == 0 {
                     return Err(Error::NothingDefined { pixels: self.width.saturating_mul(self.height) });
                 }
-                state.range = Range { low: state.extremes.least, high: state.extremes.greatest };
+                state.range = match self.config.normalize {
+                    // Of signal-to-noise, which has a sky of 0 and a noise of 1.
+                    Normalize::Noise { below, above } if self.config.sky.is_known() => {
+                        Range { low: -below, high: above }
+                    }
+                    _ => Range { low: state.extremes.least, high: state.extremes.greatest },
+                };
             }
             Stage::LowPercentile | Stage::HighPercentile | Stage::Median => {
                 let Some(value) = state.select.end_pass(counts) else { return Ok(()) };

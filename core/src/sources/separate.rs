@@ -1,0 +1,187 @@
+//! Outlined pixels become regions: connected components, or parts of the tree of level sets.
+
+use crate::arithmetic::Level;
+use crate::config::{Config, Connectivity, Deblending};
+use crate::plane::field::Field;
+use crate::plane::grid::Grid;
+use crate::plane::part::Whole;
+use crate::plane::rows::next_with;
+use crate::plane::smooth::Weights;
+use crate::plane::sort;
+use crate::sources::centre::centre_on_light;
+use crate::sources::deblend::{Reopening, compete, reopen, straighten};
+use crate::sources::pieces::{connect, relabel};
+use crate::sources::tree::{Count, NONE, Noise, Region, grow, root};
+use crate::sources::typical::Typical;
+
+/// Scale of the sharpening before the tree, pixels.
+const SHARPNESS: f32 = 1.5;
+/// A region of fewer pixels is no source.
+const LEAST_AREA: u32 = 3;
+/// Sweeps in which sources compete for the pixels at their borders.
+const SWEEPS: u32 = 2;
+/// Times that pixels beyond their host's light are looked for.
+const REOPENINGS: u32 = 2;
+/// Steps by which borders between sources are straightened.
+const STRAIGHTENINGS: u32 = 2;
+
+/// The planes of these steps, W x H each, and the table of regions.
+#[derive(Debug)]
+pub struct Planes<'m, L: Level> {
+    /// Lightly smoothed signal-to-noise; sharpened, once the tree has grown.
+    pub fine: &'m mut [L],
+    /// Signal-to-noise smoothed by need.
+    pub smooth: &'m [L],
+    /// Above 0 inside the outlines.
+    pub front: &'m [L],
+    /// Scratch.
+    pub scratch: &'m mut [L],
+    /// The tree; scratch.
+    pub parents: &'m mut [u32],
+    /// Pixels by brightness; scratch.
+    pub order: &'m mut [u32],
+    /// The labels: 1 + the index of a region.
+    pub labels: &'m mut [u32],
+    /// The regions.
+    pub regions: &'m mut [Region<L>],
+}
+
+/// Lets the tree of level sets grow over the pixels inside the outlines that have a signal, and gives
+/// each the label of its region.
+pub fn tree<L: Level>(
+    grid: Grid,
+    has_signal: impl Fn(usize) -> bool,
+    config: &Config,
+    photon: f32,
+    work: &mut Planes<'_, L>,
+) -> Count {
+    Weights::gauss(SHARPNESS).sharpen(work.fine, work.scratch, grid, config.deblending.sharpening);
+    let field = Field { values: work.fine, grid };
+    mark_inside(has_signal, work.front, work.labels);
+    let used = by_brightness(field, work.labels, work.order, work.parents);
+    let order = work.order.get(..used).unwrap_or(&[]);
+    work.parents.fill(NONE);
+    let count = grow(field, order, work.parents, work.labels, work.regions, (config, photon));
+    for region in work.regions.iter_mut().take(count.regions) {
+        region.centre = field.centre(region.peak as usize);
+    }
+    for &at in order {
+        let root = root(work.parents, at);
+        set(work.parents, at, root);
+    }
+    // The identity of a root is read from the labels before they are written.
+    for &at in order {
+        let root = work.parents.get(at as usize).copied().unwrap_or(NONE);
+        let id = work.labels.get(root as usize).copied().unwrap_or(NONE);
+        let large = work.regions.get(id as usize).is_some_and(|region| region.area >= LEAST_AREA);
+        set(work.parents, at, if root != NONE && large { id + 1 } else { 0 });
+    }
+    work.labels.fill(0);
+    for &at in order {
+        let label = work.parents.get(at as usize).copied().unwrap_or(0);
+        set(work.labels, at, label);
+    }
+    count
+}
+
+/// A pixel inside the outlines that has no label yet.
+const INSIDE: u32 = u32::MAX;
+/// The same once it is listed.
+const LISTED: u32 = INSIDE - 1;
+
+fn set(plane: &mut [u32], at: u32, to: u32) {
+    if let Some(cell) = plane.get_mut(at as usize) {
+        *cell = to;
+    }
+}
+
+/// Marks the pixels inside the outlines that have a signal, and no others.
+fn mark_inside<L: Level>(has_signal: impl Fn(usize) -> bool, front: &[L], labels: &mut [u32]) {
+    for (at, (label, &front)) in labels.iter_mut().zip(front).enumerate() {
+        *label = if front > L::ZERO && has_signal(at) { INSIDE } else { 0 };
+    }
+}
+
+/// Lists the marked pixels, component by component so that what is looked at together lies together, each from the
+/// brightest down, of equal pixels the first in the frame first. Gives their number; `spare` is as long as the plane.
+fn by_brightness<L: Level>(field: Field<'_, L>, labels: &mut [u32], order: &mut [u32], spare: &mut [u32]) -> usize {
+    /// Fewer are sorted by insertion.
+    const FEW: usize = 32;
+    let key = |at: u32| !field.at(at as usize).key();
+    let (mut listed, mut next) = (0, 0);
+    while let Some(first) = next_with(labels, next, INSIDE ^ LISTED) {
+        next = first + 1;
+        let free = order.get_mut(listed..).unwrap_or(&mut []);
+        let count = relabel((field.grid, Connectivity::Eight), first, LISTED, labels, free);
+        let component = free.get_mut(..count).unwrap_or(&mut []);
+        if count < FEW {
+            sort::few(component, |a, b| (key(a), a) < (key(b), b));
+        } else {
+            sort::by_key(component, spare, |at| at);
+            sort::by_key(component, spare, key);
+        }
+        listed += count;
+    }
+    listed
+}
+
+/// Gives regions their centres, makes light that no host explains regions of their own, lets
+/// neighbours compete for the pixels between them, and leaves each label one connected piece. Ends where other
+/// parts of the image have yet to answer.
+pub fn deblend<L: Level>(
+    whole: Option<&dyn Whole>,
+    grid: Grid,
+    config: &Config,
+    noise: Noise<L>,
+    mut count: Count,
+    work: &mut Planes<'_, L>,
+) -> Count {
+    let (field, light) = (Field { values: work.fine, grid }, Field { values: work.smooth, grid });
+    let regions = work.regions.get_mut(..count.regions).unwrap_or(&mut []);
+    centre_on_light([field, light], work.labels, regions, noise);
+    let regions = work.regions.get(..count.regions).unwrap_or(&[]);
+    let typical = Typical::of(whole, field, noise.least, regions, (work.parents, work.order));
+    if whole.is_some_and(Whole::is_waiting) {
+        return count;
+    }
+    let Config { deblending, connectivity, .. } = *config;
+    let Deblending { excess, reopened_area, .. } = deblending;
+    let reopening = Reopening { field, typical, noise, excess, least_area: reopened_area, connectivity };
+    for _ in 0..REOPENINGS {
+        count = reopen(&reopening, work.labels, work.order, work.regions, count);
+    }
+    compete(field, work.labels, work.regions, SWEEPS);
+    straighten(work.labels, work.order, grid, STRAIGHTENINGS);
+    connect(grid, work.labels, work.order, work.regions.get_mut(..count.regions).unwrap_or(&mut []));
+    count
+}
+
+/// Makes the connected components of the pixels inside the outlines that have a signal regions, in
+/// raster order of their first pixels.
+pub fn components<L: Level>(
+    grid: Grid,
+    has_signal: impl Fn(usize) -> bool,
+    connectivity: Connectivity,
+    work: &mut Planes<'_, L>,
+) -> Count {
+    mark_inside(has_signal, work.front, work.labels);
+    let mut count = Count::default();
+    for first in 0..work.labels.len() {
+        if work.labels.get(first) != Some(&INSIDE) {
+            continue;
+        }
+        let label = match work.regions.get_mut(count.regions) {
+            Some(region) => {
+                *region = Region { peak: first as u32, ..Region::BLANK };
+                count.regions += 1;
+                count.regions as u32
+            }
+            None => {
+                count.left_out += 1;
+                0
+            }
+        };
+        relabel((grid, connectivity), first, label, work.labels, work.order);
+    }
+    count
+}

@@ -1,0 +1,203 @@
+//! A run on signal-to-noise on the host: memory, the steps, the catalogue.
+
+use crate::background::SkyMaps;
+use crate::evolution::segment_in;
+use crate::nothing::without_front;
+use crate::remarks;
+use crate::segmentation::{Drive, Segmentation, StagePlanes};
+use skyfront_core::arithmetic::{Arithmetic, Level};
+use skyfront_core::config::Config;
+use skyfront_core::error::Error;
+use skyfront_core::image::normalize::Extremes;
+use skyfront_core::plane::part::Whole;
+use skyfront_core::plane::rows::used;
+use skyfront_core::run::extract::{Extractor, Found, Progress};
+use skyfront_core::run::outcome::{Outcome, Progress::Working};
+use skyfront_core::run::workspace::{Workspace, regions};
+use skyfront_core::sky::view::Known;
+use skyfront_core::sky::{Mesh, Sky, mesh_cells};
+use skyfront_core::sources::catalog::Source;
+use skyfront_core::sources::tree::Region;
+use std::time::Instant;
+
+/// Bytes that an image and [`segment`] without pictures take together, by what they hold.
+pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static str); 4] {
+    let plane = width * height * size_of::<f32>();
+    [
+        (2 * plane, "the image, and the level that is kept of it"),
+        (9 * plane, "nine planes to work in"),
+        (regions(width, height) * size_of::<Region<f32>>(), "table of regions"),
+        (mesh_cells(width, height, config.sky.cell()) * size_of::<Sky>(), "mesh of the sky"),
+    ]
+}
+
+/// The signal-to-noise that the histogram shows.
+pub mod shown {
+    /// Its first bin begins here.
+    pub const LEAST: f32 = -5.0;
+    /// Its last one ends here.
+    pub const GREATEST: f32 = 20.0;
+
+    /// A signal-to-noise on the scale from the one, 0, to the other, 1.
+    pub fn unit(value: &f32) -> f32 {
+        (value - LEAST) / (GREATEST - LEAST)
+    }
+}
+
+/// Segments an image, row-major, NaN = undefined, in `L`; a front that is not the region's own moves in `A`.
+///
+/// # Errors
+/// What the core finds wrong with the configuration or the image.
+pub fn segment<A: Arithmetic, L: Level>(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    drive: &mut Drive<'_>,
+) -> Result<Segmentation, Error> {
+    let count = pixels.len();
+    let height = count / width.max(1);
+    let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
+    let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
+    let (image, origin) =
+        drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
+    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(image.0, image.1, config.sky.cell())];
+    let mut table = vec![Region::<L>::BLANK; regions(width, height)];
+    let work = Workspace {
+        signal: &mut signal,
+        fine: &mut fine,
+        smooth: &mut smooth,
+        front: &mut front,
+        masked: &mut masked,
+        scratch: &mut scratch,
+        parents: &mut parents,
+        order: &mut order,
+        labels: &mut labels,
+        mesh: &mut mesh,
+        regions: &mut table,
+    };
+    let known =
+        Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
+    let mut run = Extractor::new(config, pixels, width, known, work)?;
+    let (mut seconds, mut moved) = (Vec::new(), None);
+    let found = loop {
+        let started = Instant::now();
+        match run.progress() {
+            Progress::Done(found) => break found,
+            Progress::Next(stage) => {
+                if let Some(watch) = &mut drive.watch {
+                    watch(&Working { stage, pass: 0, row: 0, last_change: 0.0 });
+                }
+                run.poll()?;
+                seconds.push((stage, started.elapsed()));
+            }
+            Progress::Front => {
+                let evolved = move_front::<A, L>(config, &run, width, drive)?;
+                run.outline(|at| evolved.front[at] > 0.0);
+                seconds.extend(evolved.seconds.iter().copied());
+                moved = Some(evolved);
+            }
+        }
+    };
+    let [smooth, front, masked] = [smooth, front, masked].map(in_f32);
+    let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
+    let mut sky =
+        SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, scratch].map(in_f32));
+    // Nothing is measured in what was never observed.
+    sky.noise
+        .iter_mut()
+        .zip(pixels)
+        .filter(|(_, pixel)| **pixel == found.values.fill)
+        .for_each(|(noise, _)| *noise = f32::NAN);
+    let mut extremes = Extremes::NONE;
+    let mut row = vec![0.0; width];
+    for pixels in pixels.chunks_exact(width) {
+        row.iter_mut().zip(pixels).for_each(|(out, &pixel)| *out = observed(pixel));
+        extremes.observe(&row);
+    }
+    let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
+    for (at, label) in used(&labels) {
+        if let Some(source) = sources.get_mut(label as usize - 1) {
+            source.add((at % width) as u32, (at / width) as u32, pixels[at], extremes.least);
+        }
+    }
+    let [mut blended, mut plateaus] = [(); 2].map(|()| vec![false; sources.len()]);
+    let mark = |of: &mut [bool], label: u32| {
+        (label as usize).checked_sub(1).and_then(|index| of.get_mut(index)).into_iter().for_each(|of| *of = true);
+    };
+    for region in &table[..found.regions] {
+        if let Some(other) = region.divided_from(&labels) {
+            // The other may remember a part that was dropped.
+            mark(&mut blended, region.label);
+            mark(&mut blended, other);
+        }
+        if region.plateau > 0.0 {
+            mark(&mut plateaus, region.label);
+        }
+    }
+    let own_stages = || StagePlanes {
+        normalised: signal.iter().map(|value| shown::unit(&value.to_f32())).collect(),
+        rescaled: Vec::new(),
+        filtered: smooth.iter().map(shown::unit).collect(),
+        edge: masked,
+    };
+    let run = Segmentation {
+        arithmetic: L::NAME,
+        width,
+        height,
+        labels,
+        front,
+        stages: (drive.keep_stages && moved.is_none()).then(own_stages),
+        convergence: Vec::new(),
+        sources,
+        blended: Some(blended),
+        plateaus,
+        outcome: without_front(extremes),
+        sky: Some(sky),
+        seconds,
+        remarks: remarks::on(&found, image.0 * image.1),
+    };
+    Ok(with_front(run, &found, moved))
+}
+
+/// Moves the front of a configuration over the image that a run has made.
+fn move_front<A: Arithmetic, L: Level>(
+    config: &Config,
+    run: &Extractor<'_, '_, L>,
+    width: usize,
+    drive: &mut Drive<'_>,
+) -> Result<Segmentation, Error> {
+    let image: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
+    // The run needs the front itself before anyone else may have it.
+    let take_front = drive.take_front.take();
+    let evolved = segment_in::<A>(config, &image, width, image.len() / width.max(1), drive);
+    drive.take_front = take_front;
+    evolved
+}
+
+/// A run with what its front found, if one was moved for it, and the sources.
+fn with_front(run: Segmentation, found: &Found, moved: Option<Segmentation>) -> Segmentation {
+    let run = match moved {
+        None => run,
+        Some(moved) => Segmentation {
+            front: moved.front,
+            stages: moved.stages,
+            convergence: moved.convergence,
+            outcome: Outcome { extremes: run.outcome.extremes, ..moved.outcome },
+            ..run
+        },
+    };
+    let outcome = Outcome {
+        mask_pixels: found.mask_pixels,
+        sources: found.sources,
+        catalogued: found.sources,
+        unlabelled: found.unlabelled,
+        unreached: found.unreached,
+        ..run.outcome
+    };
+    Segmentation { outcome, ..run }
+}
+
+/// A plane in single precision, in its own memory.
+fn in_f32<L: Level>(plane: Vec<L>) -> Vec<f32> {
+    plane.into_iter().map(L::to_f32).collect()
+}

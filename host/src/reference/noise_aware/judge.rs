@@ -1,0 +1,90 @@
+//! Comparisons of numbers of which another program knows the last digits differently.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+/// How far a number may be off: a share of it, and a part that is always there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slack {
+    /// Share.
+    pub relative: f64,
+    /// Part that is always there, in noise units.
+    pub absolute: f64,
+}
+
+/// Decides what exceeds what. A decision that roundings leave open can be turned: what follows from it is right
+/// either way. It is known by its numbers, so that what is asked twice is answered once.
+#[derive(Debug, Default)]
+pub struct Judge {
+    slack: Slack,
+    turned: BTreeSet<Question>,
+    open: RefCell<Vec<Question>>,
+}
+
+/// Two numbers, by their bits.
+type Question = (u64, u64);
+
+impl Judge {
+    /// One to whom every number is exact.
+    pub fn exact() -> Judge {
+        Judge::default()
+    }
+
+    /// Whether `a` is above `b`.
+    pub fn exceeds(&self, a: f64, b: f64) -> bool {
+        let off = self.slack.absolute + self.slack.relative * (a.abs() + b.abs());
+        if off == 0.0 || (a - b).abs() > off {
+            return a > b;
+        }
+        let question = (a.to_bits(), b.to_bits());
+        self.open.borrow_mut().push(question);
+        (a > b) != self.turned.contains(&question)
+    }
+}
+
+/// The most open decisions that are turned.
+const MOST: usize = 200;
+
+/// Of the results of `run` that roundings allow one that has the least `distance`: open decisions are turned one after
+/// the other, and stay so where that brings the result nearer.
+pub fn nearest<T>(slack: Slack, run: impl Fn(&Judge) -> T, distance: impl Fn(&T) -> usize) -> T {
+    let judged = |turned: &BTreeSet<Question>| {
+        let judge = Judge { slack, turned: turned.clone(), open: RefCell::default() };
+        let result = run(&judge);
+        (distance(&result), result, judge.open.into_inner())
+    };
+    let (mut turned, mut tried) = (BTreeSet::new(), BTreeSet::new());
+    let (mut best, mut result, mut open) = judged(&turned);
+    while best > 0 && tried.len() < MOST {
+        let Some(next) = open.iter().copied().find(|question| tried.insert(*question)) else { break };
+        turned.insert(next);
+        match judged(&turned) {
+            (now, nearer, others) if now < best => (best, result, open) = (now, nearer, others),
+            _ => drop(turned.remove(&next)),
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_open_decisions_are_turned() {
+        let values = [(1.0, 2.0), (3.0, 3.0 + 1e-9), (5.0, 4.0), (7.0, 7.0 - 1e-9)];
+        let run = |judge: &Judge| values.map(|(a, b)| judge.exceeds(a, b));
+        let slack = Slack { relative: 1e-6, absolute: 0.0 };
+        let towards = |wanted: [bool; 4]| {
+            nearest(slack, run, |found| found.iter().zip(wanted).filter(|(found, wanted)| **found != *wanted).count())
+        };
+        assert_eq!(run(&Judge::exact()), [false, false, true, true]);
+        for wanted in [[false, true, true, true], [false, true, true, false], [false, false, true, true]] {
+            assert_eq!(towards(wanted), wanted);
+        }
+        // The same numbers are one decision.
+        let twice = |judge: &Judge| [judge.exceeds(1.0, 1.0 + 1e-9), judge.exceeds(1.0, 1.0 + 1e-9)];
+        assert_eq!(nearest(slack, twice, |found| found.iter().filter(|found| !**found).count()), [true, true]);
+        assert_eq!(towards([true, true, false, false]), [false, true, true, false], "what is clear stays");
+    }
+}

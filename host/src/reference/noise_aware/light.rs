@@ -1,0 +1,68 @@
+//! Light between pixels, and on the other side of a centre (`default.md`, 5).
+
+use super::{Judge, Plane};
+
+/// A place, column and row.
+pub type Place = (f64, f64);
+
+/// The place of a pixel.
+pub fn place(at: usize, width: usize) -> Place {
+    ((at % width) as f64, (at / width) as f64)
+}
+
+/// The place on the other side of a centre.
+pub fn opposite(centre: Place, place: Place) -> Place {
+    (2.0 * centre.0 - place.0, 2.0 * centre.1 - place.1)
+}
+
+/// The light at a place, not below 0; `None` beyond the frame.
+pub fn light(image: &Plane, place: Place) -> Option<f64> {
+    let inside = |at: f64, length: usize| length >= 2 && at >= 0.0 && at <= (length - 1) as f64;
+    let is_seen = inside(place.0, image.width()) && inside(place.1, image.height());
+    is_seen.then(|| image.interpolate(place.0, place.1).max(0.0))
+}
+
+/// The light on the other side of a centre from a place.
+pub fn mirrored(image: &Plane, centre: Place, from: Place) -> Option<f64> {
+    light(image, opposite(centre, from))
+}
+
+/// The median of the light at the seven other places as far from a centre, 45 degrees apart.
+pub fn around(image: &Plane, centre: Place, from: Place) -> f64 {
+    let (x, y) = (from.0 - centre.0, from.1 - centre.1);
+    let turned = (1..8).map(|eighth| {
+        let (sin, cos) = (f64::from(eighth) * std::f64::consts::FRAC_PI_4).sin_cos();
+        light(image, (centre.0 + x * cos - y * sin, centre.1 + x * sin + y * cos)).unwrap_or(0.0)
+    });
+    let mut turned: Vec<f64> = turned.collect();
+    turned.sort_by(f64::total_cmp);
+    turned[3]
+}
+
+/// The pixel nearest to a place in the frame.
+pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
+    light(image, place)?;
+    let round = |at: f64| (at - 0.5).ceil() as usize;
+    Some(round(place.1) * image.width() + round(place.0))
+}
+
+/// The nearest whole part of 256 of a pixel.
+pub fn to_part(offset: f64, judge: &Judge) -> f64 {
+    let below = (256.0 * offset).floor();
+    let border = (below + 0.5) / 256.0;
+    (below + f64::from(u8::from(judge.exceeds(offset, border) || offset == border))) / 256.0
+}
+
+/// The vertex of the parabolas through a pixel and its neighbours along each axis.
+pub fn vertex(image: &Plane, at: usize, judge: &Judge) -> Place {
+    let (width, height) = (image.width(), image.height());
+    let (x, y) = (at % width, at / width);
+    let v = image.around(x as isize, y as isize);
+    let off = |before: f64, after: f64, at: usize, length: usize| {
+        let bend = 2.0 * v.c - before - after;
+        let inner = at > 0 && at + 1 < length && bend > 0.0;
+        if inner { (0.5 * (after - before) / bend).clamp(-0.5, 0.5) } else { 0.0 }
+    };
+    let (along, up) = (off(v.w, v.e, x, width), off(v.s, v.n, y, height));
+    (x as f64 + to_part(along, judge), y as f64 + to_part(up, judge))
+}

@@ -142,7 +142,7 @@ fn standard(keyword: &str, letter: Option<char>) -> Option<String> {
 /// Whether a keyword belongs to a photographic plate.
 fn is_plate(keyword: &str) -> bool {
     let term = |name: &&str| keyword.strip_prefix(*name).is_some_and(|n| number(n).is_some());
-    PLATE.contains(&keyword) || PLATE_TERMS.iter().any(|name| term(&name))
+    PLATE.contains(&keyword) || PLATE_TERMS.iter().any(term)
 }
 
 /// Whether a keyword holds a piece of the text of one of the first two axes, `WATi_nnn`.

@@ -42,7 +42,7 @@ pub struct Sky {
 /// What follows the linear step.
 #[derive(Debug)]
 enum After {
-    Tpv(Tpv),
+    Tpv(Box<Tpv>),
     Wat(Wat),
     Plate(Plate),
 }
@@ -81,8 +81,8 @@ impl Sky {
         }
         let (name, suffix) = kind.split_at_checked(3).ok_or(format!("projection {kind}"))?;
         let after = match name {
-            "TPV" => Some(After::Tpv(Tpv::of(&keys, numbers))),
-            "TAN" if is_scamp(&keys, numbers) => Some(After::Tpv(Tpv::of(&keys, numbers))),
+            "TPV" => Some(After::Tpv(Tpv::of(&keys, numbers).into())),
+            "TAN" if is_scamp(&keys, numbers) => Some(After::Tpv(Tpv::of(&keys, numbers).into())),
             "TNX" | "ZPX" => Some(After::Wat(Wat::of(&keys, numbers)?)),
             _ => None,
         };

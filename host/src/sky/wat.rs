@@ -112,7 +112,7 @@ impl Surface {
             _ => return Err(format!("kind {kind} of surface")),
         };
         let sound = |order: f64| order.fract() == 0.0 && (1.0..=MOST_TERMS).contains(&order);
-        if !sound(x_order) || !sound(y_order) || !(x_min < x_max && y_min < y_max) {
+        if !(sound(x_order) && sound(y_order) && x_min < x_max && y_min < y_max) {
             return Err("orders or ranges out of bounds".to_owned());
         }
         let orders = [x_order as usize, y_order as usize];

@@ -76,14 +76,10 @@ fn the_commands_of_the_readme_run() {
         let run = run.expect("a shell");
         assert!(run.status.success(), "{line}: {}", messages(&run));
     }
-    let table = readme();
-    let mut told =
-        table.lines().filter(|line| line.starts_with("| `")).flat_map(|line| line.split('`').skip(1).step_by(2));
-    let files: BTreeSet<String> = folder.names("results").into_iter().collect();
-    assert!(
-        files.iter().all(|file| told.any(|word| word == file) || table.contains(&format!("`{file}`"))),
-        "{files:?}"
-    );
+    let text = readme();
+    for file in folder.names("results") {
+        assert!(text.contains(&format!("`{file}`")), "{file} is not in the table");
+    }
     for line in lines.iter().filter(|line| line.starts_with("tests/run")) {
         assert!(workspace().join(line.split_whitespace().next().expect("a word")).is_file(), "{line}");
     }

@@ -1,6 +1,6 @@
 //! Which regions are sources: by area, or by their significance in an image matched to their size.
 
-use crate::arithmetic::Level;
+use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Select, Separate, part_area};
 use crate::plane::grid::Grid;
 use crate::plane::smooth::Weights;
@@ -16,6 +16,14 @@ const WIDE: f32 = 2.5;
 /// How much the matched image is sharpened: what lies on the halo of a bright source must stand
 /// above that, and what is narrow is brighter than smoothing lets it be.
 const SHARPENING: f32 = 0.6;
+/// The same for the narrow image, in which little is left of what is wider than a star.
+const NARROW_WIDE: f32 = 3.4;
+/// See [`NARROW_WIDE`].
+const NARROW_SHARPENING: f32 = 3.0;
+/// What stands out there by so many times the height that noise reaches is no unevenness of a wide source.
+const STANDS_OUT: f32 = 1.2;
+/// It needs this part of the smallest peak and light.
+const LENIENCY: f32 = 0.5;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
 const CUTS: u32 = 4;
 
@@ -45,11 +53,15 @@ pub struct Cut<L> {
     pub significance: f32,
     /// In units of the signal.
     pub least: L,
+    /// The same for what stands out in the narrow image.
+    pub lenient: L,
+    /// The peak from which on a source stands out there.
+    pub narrow: f32,
 }
 
 impl<L: Level> Cut<L> {
     /// Every peak will do.
-    pub const NONE: Cut<L> = Cut { significance: 0.0, least: L::ZERO };
+    pub const NONE: Cut<L> = Cut { significance: 0.0, least: L::ZERO, lenient: L::ZERO, narrow: 0.0 };
 }
 
 /// Sources that are kept.
@@ -64,6 +76,7 @@ pub struct Kept {
 /// Measures every region, and finds the cut on the peak in the matched image. `piled` is as in
 /// [`crate::sky::Values`].
 pub fn cut<L: Level>(grid: Grid, piled: bool, config: &Config, work: &mut Planes<'_, L>) -> Cut<L> {
+    let narrow_noise = measure_narrow(grid, piled, work);
     Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid);
     Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING);
     measure(work);
@@ -75,16 +88,33 @@ pub fn cut<L: Level>(grid: Grid, piled: bool, config: &Config, work: &mut Planes
     let roughness = if noise > 0.0 { slope / noise } else { 0.0 };
     let elements = work.signal.len() as f32 * roughness * roughness;
     let floor = config.significance.peak * config.outline.threshold;
-    let (mut allowed, mut cut) = (config.significance.false_sources, Cut { significance: 0.0, least: L::of(floor) });
+    let (mut allowed, mut cut) = (config.significance.false_sources, Cut::NONE);
     for _ in 0..CUTS {
         let significance = tail.raised(height(elements, allowed));
-        let least = significance * noise;
-        cut = Cut { significance, least: L::of(if least > floor { least } else { floor }) };
+        let least = |floor: f32| L::of((significance * noise).greatest(floor));
+        let narrow = STANDS_OUT * significance * narrow_noise;
+        cut = Cut { significance, least: least(floor), lenient: least(LENIENCY * floor), narrow };
         let kept = work.regions.iter().filter(|region| is_source(region, config, cut)).count();
         let share = config.significance.false_share * kept as f32;
         allowed = if share > allowed { share } else { allowed };
     }
     cut
+}
+
+/// The peak of every region in the narrow image, and the noise of that. Leaves it in the matched plane.
+fn measure_narrow<L: Level>(grid: Grid, piled: bool, work: &mut Planes<'_, L>) -> f32 {
+    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid);
+    Weights::gauss(NARROW_WIDE).sharpen(work.matched, work.scratch, grid, NARROW_SHARPENING);
+    for region in work.regions.iter_mut() {
+        region.offsets = (0.0, 0.0);
+    }
+    for (&label, &narrow) in work.labels.iter().zip(work.matched.iter()) {
+        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1)) {
+            region.offsets.0 = region.offsets.0.greatest(narrow.to_f32());
+        }
+    }
+    let narrow = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
+    Tail::measure(narrow, work.masked, piled, work.keys.again()).noise.to_f32()
 }
 
 /// Area, light and matched peak of every region, from its pixels.
@@ -107,10 +137,12 @@ fn is_source<L: Level>(region: &Region<L>, config: &Config, cut: Cut<L>) -> bool
     if config.select == Select::Area {
         return region.area > 0 && region.area >= config.min_area;
     }
-    let light = L::share(L::ONE.times(1), config.significance.light);
     let divided = config.separate == Separate::Tree && region.divided > 0;
     let least_area = if divided { part_area(config.min_area) } else { config.min_area };
-    region.area >= least_area && region.value >= cut.least && region.sum >= light
+    let stands_out = !divided && region.offsets.0 >= cut.narrow;
+    let (least, part) = if stands_out { (cut.lenient, LENIENCY) } else { (cut.least, 1.0) };
+    let light = L::share(L::ONE.times(1), part * config.significance.light);
+    region.area >= least_area && region.value >= least && region.sum >= light
 }
 
 /// Drops what is no source and numbers the rest in raster order.

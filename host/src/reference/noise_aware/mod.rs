@@ -130,7 +130,7 @@ pub fn run(settings: &Settings, pixels: &[f64], width: usize) -> Option<Found> {
         regions.labels.iter_mut().zip(&defined).filter(|(_, defined)| !**defined).for_each(|(label, _)| *label = 0);
         let matched = matched(&signal);
         let cut = cut(&signal, &matched, &masked, facts.cut_off, &regions, settings, judge);
-        let (labels, sources) = select(&signal, &matched, &regions, cut.least, settings, judge);
+        let (labels, sources) = select(&signal, &matched, &regions, cut, settings, judge);
         return Some(Found { facts, mesh, signal, smooth, masked, photon, front, cut, labels, sources });
     }
     None

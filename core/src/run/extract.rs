@@ -80,7 +80,7 @@ pub struct Extractor<'a, 'm, L: Level> {
     masked_from: L,
     noise: Noise<L>,
     count: Count,
-    cut: Cut<L>,
+    cut: Cut,
     kept: Kept,
     survey: Survey,
     unreached: u32,
@@ -310,7 +310,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
 /// needs the mask of the one before it.
 fn first_round(whole: &dyn Whole) -> u32 {
     let last = ROUNDS - 1;
-    if whole.knows(Question::Peaks) {
+    if whole.knows(Question::Reaches) {
         return last;
     }
     let open = (0..last).find(|&round| !whole.knows(Question::Details(round)));

@@ -24,7 +24,7 @@ pub struct Region<L: Level> {
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
     /// Of its pixels above half its peak, the sums of the values times the distances from the peak along
-    /// x and y.
+    /// x and y; while sources are selected, its peak in the narrow image, and 0.
     pub offsets: (f32, f32),
     /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
     /// While the centre is looked for, the sum of the values above half the peak.

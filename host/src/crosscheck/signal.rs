@@ -501,7 +501,7 @@ impl Walk {
         let (signal, masked, cut_off) = (&before.signal, &before.masked, self.facts.cut_off);
         let run = |judge: &Judge| {
             let cut = reference::cut(signal, core, masked, cut_off, &regions, &settings, judge);
-            (cut.significance, reference::select(signal, core, &regions, cut.least, &settings, judge))
+            (cut.significance, reference::select(signal, core, &regions, cut, &settings, judge))
         };
         let slack = Slack { relative: bit(18), absolute: 2.0 * self.grain };
         let wrong = |(labels, _): &(Vec<u32>, u32)| differing(labels, &after.labels);

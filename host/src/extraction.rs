@@ -4,6 +4,7 @@ use crate::background::SkyMaps;
 use crate::nothing::without_front;
 use crate::pipeline::{Drive, Segmentation, StagePlanes, segment_in};
 use crate::remarks;
+use crate::workers::Threads;
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
@@ -73,13 +74,13 @@ pub fn segment<A: Arithmetic, L: Level>(
     };
     let known = Known { background: drive.background, noise: drive.noise, relative: drive.relative };
     let mut run = Extractor::new(config, pixels, width, known, work)?;
-    let (mut seconds, mut moved) = (Vec::new(), None);
+    let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
     let found = loop {
         let started = Instant::now();
         match run.progress() {
             Progress::Done(found) => break found,
             Progress::Next(stage) => {
-                run.poll()?;
+                run.poll_by(&crew)?;
                 seconds.push((stage, started.elapsed()));
             }
             Progress::Front => {

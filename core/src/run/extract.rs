@@ -16,6 +16,7 @@ use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Filter, Select};
 use crate::error::Error;
 use crate::front::outline::Front;
+use crate::plane::crew::{Alone, Crew};
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
 use crate::plane::sort::Keys;
@@ -140,28 +141,36 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     /// [`Error::NothingDefined`], or [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
     /// of its sky or of its noise.
     pub fn poll(&mut self) -> Result<Progress, Error> {
+        self.poll_by(&Alone)
+    }
+
+    /// The same by a crew, which has no part in the result.
+    ///
+    /// # Errors
+    /// As [`Extractor::poll`].
+    pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
-            self.step(stage)?;
+            self.step(stage, crew)?;
             self.done += 1;
         }
         Ok(self.progress())
     }
 
-    fn step(&mut self, stage: Stage) -> Result<(), Error> {
+    fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
         let Extractor { config, grid, view, work, .. } = self;
         let (grid, has_signal) = (*grid, |view: &View<'_>, at: usize| view.has_signal(at));
         match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let survey = signal::measure(view, config.sky.cell(), &mut work.sky());
+                let survey = signal::measure(view, config.sky.cell(), &mut work.sky(), crew);
                 self.survey = survey.ok_or_else(|| self.no_noise())?;
             }
             Stage::Smooth => {
-                let tail = signal::smooth(view, &mut work.sky());
+                let tail = signal::smooth(view, &mut work.sky(), crew);
                 (self.noise.least, self.masked_from) = (tail.noise, tail.height(MASKED_PEAK));
             }
             Stage::Mask => {
-                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky());
+                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky(), crew);
             }
             Stage::Photon => {
                 let field = Field { values: &*work.signal, grid };
@@ -175,11 +184,11 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 };
                 let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
                 work.front.iter_mut().zip(start).for_each(|(u, start)| *u = *start);
-                front.outline(work.fine, work.front, work.scratch, grid);
+                front.outline(work.fine, work.front, work.scratch, grid, crew);
             }
             Stage::Tree => {
                 let inside = |at: usize| has_signal(view, at);
-                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation());
+                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
             }
             Stage::Deblend => {
                 self.count = separate::deblend(grid, config, self.noise, self.count, &mut work.separation());
@@ -197,7 +206,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                         selection::measure(&mut planes);
                         Cut::NONE
                     }
-                    Select::Significance => selection::cut(grid, view.values.piled, config, &mut planes),
+                    Select::Significance => selection::cut(grid, view.values.piled, config, &mut planes, crew),
                 };
                 self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
             }

@@ -2,6 +2,7 @@
 
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
+use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
 use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
@@ -50,8 +51,7 @@ impl Survey {
 pub struct Mesh<'m> {
     cells: &'m mut [Sky],
     copy: &'m mut [Sky],
-    grid: Grid,
-    size: (usize, usize),
+    shape: Shape,
     /// Cells per pixel along each axis.
     scale: (f32, f32),
 }
@@ -85,7 +85,7 @@ impl<'m> Mesh<'m> {
         let (columns, rows) = (cells_along(size.0, cell), cells_along(size.1, cell).get());
         let scale = (columns.get() as f32 / size.0 as f32, rows as f32 / size.1 as f32);
         let (cells, copy) = cells.split_at_mut_checked(columns.get() * rows).unwrap_or((&mut [], &mut []));
-        Mesh { cells, copy, grid: Grid { width: columns, height: rows }, size, scale }
+        Mesh { cells, copy, shape: Shape { grid: Grid { width: columns, height: rows }, size }, scale }
     }
 
     /// A mesh of which nothing is known yet.
@@ -102,48 +102,49 @@ impl<'m> Mesh<'m> {
     pub fn measure(
         &mut self,
         pixels: &[f32],
-        seen: impl Fn(usize) -> Seen,
+        seen: impl Fn(usize) -> Seen + Sync,
+        values: &Values,
+        keys: Keys<'_>,
+    ) -> Survey {
+        self.measure_by(&Alone, pixels, seen, values, keys)
+    }
+
+    /// The same by a crew; the more of [`cell_pixels`] the keys have room for, the more of it can work.
+    pub fn measure_by(
+        &mut self,
+        crew: &impl Crew,
+        pixels: &[f32],
+        seen: impl Fn(usize) -> Seen + Sync,
         values: &Values,
         mut keys: Keys<'_>,
     ) -> Survey {
-        let mut survey = Survey::default();
-        // A bit per cell, a word per row of them.
-        let mut enough = [0u64; MOST_CELLS];
-        for index in 0..self.cells.len() {
-            let mut count = Count::default();
-            // Adding 0 gives both zeros one key.
-            let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
-            let sky = self.pixels(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
-            let sorted = keys.sorted(sky.map(value));
-            survey.cells += u32::from(count.defined > 0);
-            if !count.is_enough() {
-                continue;
-            }
-            survey.measured += 1;
-            let (column, row) = self.grid.place(index);
-            if let (Some(cell), Some(enough)) = (self.cells.get_mut(index), enough.get_mut(row)) {
-                *cell = clipped(sorted, values);
-                *enough |= 1 << column;
+        let Shape { grid, size, .. } = self.shape;
+        let room = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
+        let mut rows = [RowOfCells::default(); MOST_CELLS];
+        let cells = self.cells.chunks_mut(grid.width.get()).zip(&mut rows).enumerate();
+        let look = Look { shape: self.shape, pixels, seen, values };
+        if crew.hands() > 1 && keys.room() >= room * grid.height {
+            let Keys(keys, spare) = keys;
+            let keys = keys.chunks_mut(room.max(1)).zip(spare.chunks_mut(room.max(1)));
+            crew.each(cells.zip(keys), |((row, (cells, told)), (keys, spare))| {
+                *told = look.measure_row(row, cells, Keys(keys, spare));
+            });
+        } else {
+            for (row, (cells, told)) in cells {
+                *told = look.measure_row(row, cells, keys.again());
             }
         }
+        let sum = |part: fn(&Survey) -> u32| rows.iter().map(|row| part(&row.survey)).sum();
+        let survey = Survey { cells: sum(|survey| survey.cells), measured: sum(|survey| survey.measured) };
         if !survey.is_crowded() {
-            for (row, enough) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(enough) {
-                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| enough >> column & 1 == 0);
+            for (row, told) in self.cells.chunks_mut(grid.width.get()).zip(rows) {
+                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| told.enough >> column & 1 == 0);
                 unmeasured.for_each(|(_, cell)| *cell = Sky::UNKNOWN);
             }
         }
         self.fill();
         self.smooth();
         survey
-    }
-
-    /// The pixels of a cell, row by row.
-    fn pixels(&self, index: usize) -> impl Iterator<Item = usize> + use<> {
-        let ((width, height), (column, row)) = (self.size, self.grid.place(index));
-        let (columns, rows) = (self.grid.width, NonZero::new(self.grid.height).unwrap_or(NonZero::<usize>::MIN));
-        let (left, right) = (column * width / columns, (column + 1) * width / columns);
-        let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
-        (bottom..top).flat_map(move |y| y * width + left..y * width + right)
     }
 
     fn cell(cells: &[Sky], index: usize) -> Sky {
@@ -156,14 +157,14 @@ impl<'m> Mesh<'m> {
 
     /// Unknown cells take the mean of their known neighbours, ring by ring.
     fn fill(&mut self) {
-        for _ in 0..self.grid.width.get() + self.grid.height {
+        for _ in 0..self.shape.grid.width.get() + self.shape.grid.height {
             self.copy();
             if self.cells.iter().all(|cell| cell.known()) {
                 return;
             }
             for (index, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| !cell.known()) {
                 let (mut level, mut noise, mut count) = (0.0, 0.0, 0.0);
-                let near = self.grid.neighbours(index).map(|near| Self::cell(self.copy, near));
+                let near = self.shape.grid.neighbours(index).map(|near| Self::cell(self.copy, near));
                 for near in near.filter(|near| near.known()) {
                     (level, noise, count) = (level + near.level, noise + near.noise, count + 1.0);
                 }
@@ -178,9 +179,9 @@ impl<'m> Mesh<'m> {
     /// straight, so that there a slope is kept too, and the noise stays.
     fn smooth(&mut self) {
         self.copy();
-        let (columns, rows) = (self.grid.width.get(), self.grid.height);
+        let (columns, rows) = (self.shape.grid.width.get(), self.shape.grid.height);
         for (index, cell) in self.cells.iter_mut().enumerate() {
-            let (column, row) = self.grid.place(index);
+            let (column, row) = self.shape.grid.place(index);
             let near = |value: fn(Sky) -> f32, slope: f32| {
                 let at = |column: usize, row: usize| value(Self::cell(self.copy, row * columns + column));
                 let along = |x: Step, row: usize| x.beyond(|column| at(column, row), slope);
@@ -202,7 +203,7 @@ impl<'m> Mesh<'m> {
 
     /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
     pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
-        let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
+        let (columns, up) = (self.shape.grid.width.get(), Between::new(y, self.shape.grid.height, self.scale.1));
         let corners = |column: usize| [up.first, up.next].map(|row| Self::cell(self.cells, row * columns + column));
         let until = x + level.len().min(noise.len());
         let (mut x, mut rest) = (x, level.iter_mut().zip(noise));
@@ -229,6 +230,61 @@ fn blend([before, after]: [[f32; 2]; 2], across: f32, up: f32) -> f32 {
     row(first, first_after) * (1.0 - up) + row(next, next_after) * up
 }
 
+/// How the cells lie over the frame.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    grid: Grid,
+    size: (usize, usize),
+}
+
+impl Shape {
+    /// The pixels of a cell, row by row.
+    fn pixels(&self, column: usize, row: usize) -> impl Iterator<Item = usize> + use<> {
+        let ((width, height), columns) = (self.size, self.grid.width);
+        let rows = NonZero::new(self.grid.height).unwrap_or(NonZero::<usize>::MIN);
+        let (left, right) = (column * width / columns, (column + 1) * width / columns);
+        let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
+        (bottom..top).flat_map(move |y| y * width + left..y * width + right)
+    }
+}
+
+/// What a row of cells tells.
+#[derive(Clone, Copy, Default)]
+struct RowOfCells {
+    survey: Survey,
+    /// A bit for each cell that has enough sky.
+    enough: u64,
+}
+
+/// A frame that is looked at for its sky.
+struct Look<'a, S> {
+    shape: Shape,
+    pixels: &'a [f32],
+    seen: S,
+    values: &'a Values,
+}
+
+impl<S: Fn(usize) -> Seen> Look<'_, S> {
+    /// Measures the cells of a row that have enough sky.
+    fn measure_row(&self, row: usize, cells: &mut [Sky], mut keys: Keys<'_>) -> RowOfCells {
+        let mut told = RowOfCells::default();
+        for (column, cell) in cells.iter_mut().enumerate() {
+            let mut count = Count::default();
+            // Adding 0 gives both zeros one key.
+            let value = |at: usize| self.pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
+            let sky = self.shape.pixels(column, row).filter(|&at| count.sees((self.seen)(at)) == Seen::Sky);
+            let sorted = keys.sorted(sky.map(value));
+            told.survey.cells += u32::from(count.defined > 0);
+            if count.is_enough() {
+                told.survey.measured += 1;
+                told.enough |= 1 << column;
+                *cell = clipped(sorted, self.values);
+            }
+        }
+        told
+    }
+}
+
 /// What the pixels of a cell are.
 #[derive(Default)]
 struct Count {
@@ -238,6 +294,7 @@ struct Count {
 }
 
 impl Count {
+    #[inline]
     fn sees(&mut self, seen: Seen) -> Seen {
         self.all += 1;
         self.defined += usize::from(seen != Seen::Undefined);

@@ -1,6 +1,7 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
 use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
@@ -39,7 +40,7 @@ pub struct Planes<'m, L: Level> {
 /// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined pixel has the mean of the two
 /// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
 /// to divide by.
-pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>) -> Option<Survey> {
+pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>, crew: &impl Crew) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
@@ -50,24 +51,29 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>)
         (true, true) => Seen::Sky,
     };
     let mut mesh = Mesh::over(work.mesh, (width, grid.height), cell);
-    let survey = mesh.measure(pixels, seen, &values, keys.again());
+    let survey = mesh.measure_by(crew, pixels, seen, &values, keys.again());
     let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
     let mut factor = 1.0;
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
         factor = typical(ratio, pixels.len(), keys);
     }
-    let mut noise_seen = false;
-    for (y, out) in work.scratch.chunks_exact_mut(width).enumerate() {
-        noise_seen |= signal_row(view, y, &mesh, factor, out);
-    }
+    let (rows, mut noise_seen) = (crew.rows(grid), [false; MOST_BANDS]);
+    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(width * rows)).zip(&mut noise_seen);
+    crew.each(bands, |((first, band), noise_seen)| {
+        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+            *noise_seen |= signal_row(view, y, &mesh, factor, out);
+        }
+    });
     bridge(view, work.scratch);
-    let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(work.scratch, width, y));
-    for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
-        let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
-        clean(rows, out);
-    }
-    noise_seen.then_some(survey)
+    let signal = &*work.scratch;
+    let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(signal, width, y));
+    crew.each((0..).step_by(rows).zip(work.signal.chunks_mut(width * rows)), |(first, band): (usize, _)| {
+        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+            clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
+        }
+    });
+    noise_seen.contains(&true).then_some(survey)
 }
 
 /// Pixels of a row whose sky is looked up together.
@@ -129,13 +135,13 @@ fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f3
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>) -> Tail<L> {
+pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
     let (grid, piled) = (view.grid, view.values.piled);
-    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid);
+    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid, crew);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
     let tail = Tail::measure(|at| value(fine, at), work.masked, piled, work.keys.again());
-    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
+    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid, crew);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
     let details = Tail::measure(detail, work.masked, piled, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
@@ -147,7 +153,7 @@ pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>) -> Tail<L> {
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>) {
+pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>, crew: &impl Crew) {
     let grid = view.grid;
     let (source, perhaps) = (L::ONE, perhaps());
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
@@ -176,7 +182,7 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
         *mark = L::ZERO;
     }
-    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid);
+    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid, crew);
     let near = L::of(0.2);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > near { L::ONE } else { L::ZERO };

@@ -2,6 +2,7 @@
 
 use crate::arithmetic::Level;
 use crate::config::{Config, Select, Separate, part_area};
+use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::rows::{next_with, used};
 use crate::plane::smooth::Weights;
@@ -64,9 +65,9 @@ pub struct Kept {
 
 /// Measures every region, and finds the cut on the peak in the matched image. `piled` is as in
 /// [`crate::sky::Values`].
-pub fn cut<L: Level>(grid: Grid, piled: bool, config: &Config, work: &mut Planes<'_, L>) -> Cut<L> {
-    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid);
-    Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING);
+pub fn cut<L: Level>(grid: Grid, piled: bool, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut<L> {
+    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
+    Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING, crew);
     measure(work);
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let tail = Tail::measure(matched, work.masked, piled, work.keys.again());

@@ -91,6 +91,8 @@ pub enum Error<E = core::convert::Infallible> {
         /// What moves it.
         mover: &'static str,
     },
+    /// The frame is a part of an image whose other parts have yet to answer (see [`crate::plane::part`]).
+    Waiting,
     /// The memory between two polls is not what the pipeline left there.
     Corrupted {
         /// Which plane or table.
@@ -116,6 +118,7 @@ impl<E> Error<E> {
             Error::Arithmetic { name, reason } => Error::Arithmetic { name, reason },
             Error::Together { choice, value, other, wanted } => Error::Together { choice, value, other, wanted },
             Error::Front { scheme, mover } => Error::Front { scheme, mover },
+            Error::Waiting => Error::Waiting,
             Error::Corrupted { name } => Error::Corrupted { name },
             Error::Frame(error) => Error::Frame(frame(error)),
         }
@@ -154,6 +157,7 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
                 write!(f, "{choice} {value} needs {other} {wanted}")
             }
             Error::Front { scheme, mover } => write!(f, "the front of the scheme {scheme} is moved by {mover}"),
+            Error::Waiting => f.write_str("the other parts of the image have yet to answer"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),
             Error::Frame(error) => write!(f, "reading the frame: {error}"),
         }

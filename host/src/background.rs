@@ -13,11 +13,11 @@ pub struct SkyMaps {
 }
 
 impl SkyMaps {
-    /// The maps of a measured mesh, in planes that are there already.
-    pub fn of(mesh: &Mesh<'_>, width: usize, planes: [Vec<f32>; 2]) -> SkyMaps {
+    /// The maps of a measured mesh, in planes that are there already, from a column and row of the mesh's frame on.
+    pub fn of(mesh: &Mesh<'_>, width: usize, (left, bottom): (usize, usize), planes: [Vec<f32>; 2]) -> SkyMaps {
         let [mut level, mut noise] = planes;
         let rows = level.chunks_mut(width.max(1)).zip(noise.chunks_mut(width.max(1)));
-        rows.enumerate().for_each(|(y, (level, noise))| mesh.along(0, y, level, noise));
+        rows.enumerate().for_each(|(y, (level, noise))| mesh.along(left, bottom + y, level, noise));
         SkyMaps { level, noise }
     }
 
@@ -36,7 +36,7 @@ impl SkyMaps {
         };
         let mut mesh = Mesh::blank(&mut cells, size, CELL);
         mesh.measure(pixels, seen, &values, keys);
-        SkyMaps::of(&mesh, width, [(); 2].map(|()| vec![0.0; pixels.len()]))
+        SkyMaps::of(&mesh, width, (0, 0), [(); 2].map(|()| vec![0.0; pixels.len()]))
     }
 
     /// The same where `labels` are 0.

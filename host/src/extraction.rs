@@ -1,17 +1,19 @@
 //! A run on signal-to-noise on the host: memory, the steps, the catalogue.
 
 use crate::background::SkyMaps;
+use crate::evolution::segment_in;
 use crate::nothing::without_front;
-use crate::pipeline::{Drive, Segmentation, StagePlanes, segment_in};
 use crate::remarks;
+use crate::segmentation::{Drive, Segmentation, StagePlanes};
 use crate::workers::Threads;
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
+use skyfront_core::plane::part::Whole;
 use skyfront_core::plane::rows::used;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
-use skyfront_core::run::outcome::Outcome;
+use skyfront_core::run::outcome::{Outcome, Progress::Working};
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
@@ -30,16 +32,16 @@ pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static
     ]
 }
 
-/// The signal-to-noise that pictures show.
+/// The signal-to-noise that the histogram shows.
 pub mod shown {
-    /// Black.
+    /// Its first bin begins here.
     pub const LEAST: f32 = -5.0;
-    /// White.
+    /// Its last one ends here.
     pub const GREATEST: f32 = 20.0;
 
-    /// A signal-to-noise on the scale from black, 0, to white, 1.
+    /// A signal-to-noise on the scale from the one, 0, to the other, 1.
     pub fn unit(value: &f32) -> f32 {
-        ((value - LEAST) / (GREATEST - LEAST)).clamp(0.0, 1.0)
+        (value - LEAST) / (GREATEST - LEAST)
     }
 }
 
@@ -57,7 +59,9 @@ pub fn segment<A: Arithmetic, L: Level>(
     let height = count / width.max(1);
     let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
     let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
-    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())];
+    let (image, origin) =
+        drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
+    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(image.0, image.1, config.sky.cell())];
     let mut table = vec![Region::<L>::BLANK; regions(width, height)];
     let work = Workspace {
         signal: &mut signal,
@@ -72,7 +76,8 @@ pub fn segment<A: Arithmetic, L: Level>(
         mesh: &mut mesh,
         regions: &mut table,
     };
-    let known = Known { background: drive.background, noise: drive.noise, relative: drive.relative };
+    let known =
+        Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
     let mut run = Extractor::new(config, pixels, width, known, work)?;
     let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
     let found = loop {
@@ -80,6 +85,9 @@ pub fn segment<A: Arithmetic, L: Level>(
         match run.progress() {
             Progress::Done(found) => break found,
             Progress::Next(stage) => {
+                if let Some(watch) = &mut drive.watch {
+                    watch(&Working { stage, pass: 0, row: 0, last_change: 0.0 });
+                }
                 run.poll_by(&crew)?;
                 seconds.push((stage, started.elapsed()));
             }
@@ -94,7 +102,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     let [smooth, front, masked] = [smooth, front, masked].map(in_f32);
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
     let mut sky =
-        SkyMaps::of(&Mesh::over(&mut mesh, (width, height), config.sky.cell()), width, [fine, scratch].map(in_f32));
+        SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, scratch].map(in_f32));
     // Nothing is measured in what was never observed.
     sky.noise
         .iter_mut()
@@ -147,7 +155,7 @@ pub fn segment<A: Arithmetic, L: Level>(
         outcome: without_front(extremes),
         sky: Some(sky),
         seconds,
-        remarks: remarks::on(&found, count),
+        remarks: remarks::on(&found, image.0 * image.1),
     };
     Ok(with_front(run, &found, moved))
 }

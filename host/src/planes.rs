@@ -1,10 +1,13 @@
 //! Memory for the planes of a frame, and for a run.
 
-use skyfront_core::arithmetic::{Arithmetic, Bits};
+use skyfront_core::arithmetic::{Arithmetic, Bits, Level};
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
+use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::otsu::{BINS, Histogram};
+use skyfront_core::sky::{Sky, mesh_cells};
 use skyfront_core::sources::catalog::Source;
+use skyfront_core::sources::tree::Region;
 
 /// The memory of one run: as many elements as the core asks for, and not one more.
 #[derive(Debug)]
@@ -52,6 +55,36 @@ impl<A: Arithmetic> Room<A> {
             counts: &mut self.counts,
             sources: &mut self.sources,
         }
+    }
+}
+
+/// The memory of a run on signal-to-noise.
+#[derive(Debug)]
+pub struct SignalRoom<L: Level> {
+    levels: [Vec<L>; 6],
+    words: [Vec<u32>; 3],
+    mesh: Vec<Sky>,
+    regions: Vec<Region<L>>,
+}
+
+impl<L: Level> SignalRoom<L> {
+    /// Room for a frame.
+    pub fn new(config: &Config, width: usize, height: usize) -> Self {
+        let count = width * height;
+        SignalRoom {
+            levels: [(); 6].map(|()| plane(count, L::ZERO)),
+            words: [(); 3].map(|()| plane(count, 0)),
+            mesh: plane(mesh_cells(width, height, config.sky.cell()), Sky::UNKNOWN),
+            regions: plane(regions(width, height), Region::BLANK),
+        }
+    }
+
+    /// The slices for an extractor.
+    pub fn workspace(&mut self) -> Workspace<'_, L> {
+        let [signal, fine, smooth, front, masked, scratch] = &mut self.levels;
+        let [parents, order, labels] = &mut self.words;
+        let (mesh, regions) = (&mut self.mesh, &mut self.regions);
+        Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions }
     }
 }
 

@@ -91,6 +91,8 @@ pub enum Filter {
         /// The gradient at which diffusion falls off, in image units (0 to 1) per `dx`.
         mu: f32,
     },
+    /// The median of 3 x 3 pixels ([`crate::image::median`]).
+    Median,
     /// Signal-to-noise smoothed by a Gaussian of 0.8 pixels ([`crate::sky`]).
     Gauss,
     /// The same, and more where nothing significant is lost by it.
@@ -98,9 +100,21 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// Whether it is a filter of the image plane, that goes in steps.
+    /// The name of its step, by which the costs of a step are told; none for those that do not go over
+    /// the image plane in steps.
+    pub const fn step_name(self) -> &'static str {
+        match self {
+            Filter::None | Filter::Gauss | Filter::Adaptive => "none",
+            Filter::Heat => "heat",
+            Filter::Median => "median",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
+            Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
+        }
+    }
+
+    /// Whether it goes over the image plane in steps.
     pub const fn is_stepped(self) -> bool {
-        matches!(self, Filter::Heat | Filter::PeronaMalik { .. })
+        !matches!(self, Filter::None | Filter::Gauss | Filter::Adaptive)
     }
 }
 

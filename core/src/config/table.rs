@@ -105,7 +105,7 @@ table![
         .range(Range::within(0.0, 1000.0))
         .help("Steps of the filter."),
     real("filter-dt", "SFFDT", |c| Some(Real(&mut c.filter_dt)))
-        .at(Step::Filter, &[BY_PAPER, FILTERED])
+        .at(Step::Filter, &[BY_PAPER, DIFFUSED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.dx * c.dx / 4.0)); 2])
         .help("Time step of the filter, at most dx^2/4."),
     choice("pm", "SFPM", DIFFUSIVITIES, diffusivity, set_diffusivity)
@@ -331,7 +331,9 @@ const BY_PAPER: Need = Need {
     words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "fast-marching"],
 };
 const BY_R3: Need = Need { name: "rescale", words: &["r3"] };
-const FILTERED: Need = Need { name: "filter", words: &["heat", "pm"] };
+const FILTERED: Need = Need { name: "filter", words: &["heat", "pm", "median"] };
+/// Those with a time step.
+const DIFFUSED: Need = Need { name: "filter", words: &["heat", "pm"] };
 const PERONA_MALIK: Need = Need { name: "filter", words: &["pm"] };
 const CHAN_VESE: Need = Need { name: "scheme", words: &["chan-vese"] };
 const BENT: Need = Need { name: "scheme", words: &["fd-curvature", "sl-curvature"] };
@@ -380,6 +382,7 @@ const FILTERS: &[Word] = &[
     word("none", "not at all"),
     word("heat", "evenly, by the heat equation"),
     word("pm", "less across edges, after Perona and Malik"),
+    word("median", "by the median of 3 x 3 pixels, in which spikes vanish and edges stay"),
     word("gauss", "evenly, by a Gaussian of 0.8 pixels"),
     word("adaptive", "by a Gaussian of 0.8 pixels, and more where nothing significant is lost by it"),
 ];
@@ -524,6 +527,7 @@ fn filter(config: &Config) -> Option<Value> {
         Filter::None => "none",
         Filter::Heat => "heat",
         Filter::PeronaMalik { .. } => "pm",
+        Filter::Median => "median",
         Filter::Gauss => "gauss",
         Filter::Adaptive => "adaptive",
     }))
@@ -533,6 +537,7 @@ fn filter(config: &Config) -> Option<Value> {
 fn set_filter(config: &mut Config, value: Value) {
     (config.filter, config.filter_steps) = match (value.word, config.filter) {
         (Some("none"), _) => (Filter::None, config.filter_steps),
+        (Some("median"), _) => (Filter::Median, 1),
         (Some("gauss"), _) => (Filter::Gauss, config.filter_steps),
         (Some("adaptive"), _) => (Filter::Adaptive, config.filter_steps),
         (Some("heat"), _) => (Filter::Heat, Config::PAPER_F160.filter_steps),

@@ -68,6 +68,7 @@ impl Config {
         match self.filter {
             Filter::Heat if self.scheme == Scheme::Region => apart("filter", "heat", "scheme", "fd"),
             Filter::PeronaMalik { .. } if self.scheme == Scheme::Region => apart("filter", "pm", "scheme", "fd"),
+            Filter::Median if self.scheme == Scheme::Region => apart("filter", "median", "scheme", "fd"),
             _ => Ok(()),
         }
     }

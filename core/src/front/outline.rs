@@ -45,15 +45,21 @@ impl<L: Level> Front<L> {
     /// has room for two rows, and for four of every band where more than one works. Cost: a pass per step, which
     /// computes near the front only.
     pub fn outline(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
-        for u in plane.iter_mut() {
-            *u = within(*u - self.threshold, BAND);
-        }
+        self.start(plane);
         for _ in 0..self.steps {
             self.step(signal, plane, rows, grid, crew);
         }
     }
 
-    fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
+    /// Turns `plane` into u before the first step.
+    pub fn start(&self, plane: &mut [L]) {
+        for u in plane.iter_mut() {
+            *u = within(*u - self.threshold, BAND);
+        }
+    }
+
+    /// One step of [`Front::outline`].
+    pub fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
         let (width, band) = (grid.width.get(), grid.width.get() * crew.rows(grid));
         let bands = plane.len().div_ceil(band.max(1));
         // The first and the last row of every band, for its neighbours, who see the old ones.

@@ -1,8 +1,49 @@
 //! Step 3: the filter, one explicit time step a sweep.
 
 use crate::arithmetic::{Arithmetic, Real};
-use crate::config::{Config, Diffusivity};
+use crate::config::{Config, Diffusivity, Filter};
+use crate::image::median::Median;
 use crate::plane::sweep::{Cross, Kernel, cross};
+
+/// One step of whichever filter a configuration has in steps.
+#[derive(Clone, Copy, Debug)]
+pub enum AnyFilter<A: Arithmetic> {
+    /// None of them.
+    None,
+    /// The heat equation.
+    Heat(Heat<A>),
+    /// Perona-Malik.
+    PeronaMalik(PeronaMalik<A>),
+    /// The median.
+    Median(Median),
+}
+
+impl<A: Arithmetic> AnyFilter<A> {
+    /// The filter of a configuration.
+    #[inline(always)]
+    pub fn new(config: &Config) -> Self {
+        match config.filter {
+            Filter::None | Filter::Gauss | Filter::Adaptive => AnyFilter::None,
+            Filter::Heat => AnyFilter::Heat(Heat::new(config)),
+            Filter::PeronaMalik { diffusivity, mu } => {
+                AnyFilter::PeronaMalik(PeronaMalik::new(config, diffusivity, mu))
+            }
+            Filter::Median => AnyFilter::Median(Median),
+        }
+    }
+}
+
+impl<A: Arithmetic> Kernel<A, 3> for AnyFilter<A> {
+    #[inline(always)]
+    fn row(&mut self, old: &[&[A::Cell]; 3], aux: &[A::Cell], new: &mut [A::Cell]) {
+        match self {
+            AnyFilter::None => {}
+            AnyFilter::Heat(filter) => filter.row(old, aux, new),
+            AnyFilter::PeronaMalik(filter) => filter.row(old, aux, new),
+            AnyFilter::Median(filter) => Kernel::<A, 3>::row(filter, old, aux, new),
+        }
+    }
+}
 
 /// One step of the heat equation (`schemacal`): `I + lambda (sum of 4 - 4 I)`.
 #[derive(Clone, Copy, Debug)]

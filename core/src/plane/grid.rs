@@ -31,6 +31,12 @@ impl Grid {
     /// The four cells that share an edge with the one at an index, and then the four that share a corner.
     #[inline]
     pub fn neighbours(self, at: usize) -> impl Iterator<Item = usize> {
+        self.touching(at, 8)
+    }
+
+    /// The first `most` of these directions, as far as the frame goes: with 4, cells that share an edge.
+    #[inline]
+    pub fn touching(self, at: usize, most: usize) -> impl Iterator<Item = usize> {
         let ((x, y), width) = (self.place(at), self.width.get());
         let (left, right, below, above) = (x > 0, x + 1 < width, y > 0, y + 1 < self.height);
         let (under, over) = (at.wrapping_sub(width), at + width);
@@ -45,6 +51,28 @@ impl Grid {
             (above && right, over + 1),
         ]
         .into_iter()
+        .take(most)
         .filter_map(|(inside, near)| inside.then_some(near))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_a_border_no_corner_takes_the_place_of_an_edge() {
+        let grid = Grid { width: NonZero::new(3).expect("not 0"), height: 3 };
+        let near = |at: usize, most: usize| {
+            let (mut cells, mut count) = ([0; 8], 0);
+            for (cell, near) in cells.iter_mut().zip(grid.touching(at, most)) {
+                (*cell, count) = (near, count + 1);
+            }
+            (count, cells)
+        };
+        assert_eq!(near(0, 4), (2, [1, 3, 0, 0, 0, 0, 0, 0]));
+        assert_eq!(near(1, 4), (3, [0, 2, 4, 0, 0, 0, 0, 0]));
+        assert_eq!(near(0, 8), (3, [1, 3, 4, 0, 0, 0, 0, 0]));
+        assert_eq!(near(4, 8), (8, [3, 5, 1, 7, 0, 2, 6, 8]));
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod beside;
 pub mod crew;
 pub mod field;
 pub mod grid;
+pub mod part;
 pub mod rows;
 pub mod smooth;
 pub mod sort;

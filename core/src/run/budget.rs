@@ -6,7 +6,7 @@
 //! row before and the first label of its component.
 
 use crate::arithmetic::Exponent;
-use crate::config::{Config, Diffusivity, Edge, Filter, Rescale, Scheme, Tau};
+use crate::config::{Config, Edge, Rescale, Scheme, Tau};
 use crate::run::plan::Plan;
 use crate::run::stage::Stage;
 
@@ -49,12 +49,7 @@ pub fn variant(config: &Config, stage: Stage) -> &'static str {
             Rescale::R3 { tau: Tau::Noise { .. }, .. } => "noise",
             _ => "none",
         },
-        Stage::Filter => match config.filter {
-            Filter::None | Filter::Gauss | Filter::Adaptive => "none",
-            Filter::Heat => "heat",
-            Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
-            Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
-        },
+        Stage::Filter => config.filter.step_name(),
         Stage::Edge => match config.edge {
             Edge::G1 { p } if root(p) => "g1",
             Edge::G1 { .. } => "g1-power",

@@ -19,8 +19,9 @@ use crate::front::outline::Front;
 use crate::plane::crew::{Alone, Crew};
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
+use crate::plane::part::{Question, Whole};
 use crate::plane::sort::Keys;
-use crate::run::plan::Plan;
+use crate::run::plan::{Plan, ROUNDS};
 use crate::run::stage::Stage;
 use crate::run::workspace::Workspace;
 use crate::sky::view::{Known, View};
@@ -151,22 +152,29 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
             self.step(stage, crew)?;
+            if self.view.known.whole.is_some_and(Whole::is_waiting) {
+                return Err(Error::Waiting);
+            }
             self.done += 1;
         }
         Ok(self.progress())
     }
 
     fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
+        let (round, known) = (self.round(), self.view.known.whole);
+        if let Some(whole) = known.filter(|whole| round < first_round(*whole)) {
+            return self.pass_over(stage, round, whole);
+        }
         let Extractor { config, grid, view, work, .. } = self;
         let (grid, has_signal) = (*grid, |view: &View<'_>, at: usize| view.has_signal(at));
         match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let survey = signal::measure(view, config.sky.cell(), &mut work.sky(), crew);
+                let survey = signal::measure(view, config.sky.cell(), round, &mut work.sky(), crew);
                 self.survey = survey.ok_or_else(|| self.no_noise())?;
             }
             Stage::Smooth => {
-                let tail = signal::smooth(view, &mut work.sky(), crew);
+                let tail = signal::smooth(view, round, &mut work.sky(), crew);
                 (self.noise.least, self.masked_from) = (tail.noise, tail.height(MASKED_PEAK));
             }
             Stage::Mask => {
@@ -174,7 +182,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             }
             Stage::Photon => {
                 let field = Field { values: &*work.signal, grid };
-                self.noise.photon = photon::slope(field, work.fine, work.masked, Keys(work.parents, work.order));
+                self.noise.photon = photon::slope(known, field, work.fine, work.masked, Keys(work.parents, work.order));
             }
             Stage::Outline => {
                 let front = Front {
@@ -191,7 +199,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
             }
             Stage::Deblend => {
-                self.count = separate::deblend(grid, config, self.noise, self.count, &mut work.separation());
+                self.count = separate::deblend(known, grid, config, self.noise, self.count, &mut work.separation());
                 drop_undefined(view, work.labels);
             }
             Stage::Components => {
@@ -206,7 +214,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                         selection::measure(&mut planes);
                         Cut::NONE
                     }
-                    Select::Significance => selection::cut(grid, view.values.piled, config, &mut planes, crew),
+                    Select::Significance => selection::cut(view, config, &mut planes, crew),
                 };
                 self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
             }
@@ -215,10 +223,31 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         Ok(())
     }
 
+    /// How often the sky has been measured.
+    fn round(&self) -> u32 {
+        let done = Plan::of(&self.config).steps().take(self.done);
+        done.filter(|step| step.stage == Stage::Mask).count() as u32
+    }
+
+    /// Passes over a step of a round of which the answers of all parts of the image are enough.
+    fn pass_over(&mut self, stage: Stage, round: u32, whole: &dyn Whole) -> Result<(), Error> {
+        match stage {
+            Stage::Values => self.look(),
+            Stage::Background => {
+                signal::remember(&self.view, self.config.sky.cell(), round, whole, &mut self.work.sky());
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// What the values of the frame are.
     fn look(&mut self) -> Result<(), Error> {
         let Extractor { pixels, grid, work, view, .. } = self;
         *view = View::of(pixels, *grid, view.known, Keys(work.parents, work.order));
+        if view.known.whole.is_some_and(Whole::is_waiting) {
+            return Ok(());
+        }
         if view.values.defined == 0 {
             return Err(Error::NothingDefined { pixels: pixels.len() });
         }
@@ -242,6 +271,11 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     pub fn image(&self) -> &[L] {
         let Workspace { signal, fine, smooth, .. } = &self.work;
         smoothed(self.config.filter, [signal, fine, smooth])
+    }
+
+    /// The planes, the mesh and the regions as the steps so far left them.
+    pub fn work(&self) -> &Workspace<'m, L> {
+        &self.work
     }
 
     /// Takes the front that was awaited: whether a pixel is inside, by its index. What no front can have
@@ -281,12 +315,23 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     }
 }
 
+/// The first round of the sky that a part must go through: of those before, the answers are enough, but that a round
+/// needs the mask of the one before it.
+fn first_round(whole: &dyn Whole) -> u32 {
+    let last = ROUNDS - 1;
+    if whole.knows(Question::Peaks) {
+        return last;
+    }
+    let open = (0..last).find(|&round| !whole.knows(Question::Details(round)));
+    open.unwrap_or(last).saturating_sub(1)
+}
+
 /// Signal-to-noise as a filter leaves it: as it is, lightly smoothed or smoothed by need.
 fn smoothed<L: Level>(filter: Filter, [signal, fine, smooth]: [&[L]; 3]) -> &[L] {
     match filter {
         Filter::Gauss => fine,
         Filter::Adaptive => smooth,
-        Filter::None | Filter::Heat | Filter::PeronaMalik { .. } => signal,
+        _ => signal,
     }
 }
 

@@ -62,6 +62,8 @@ pub const fn leaves(stage: Stage) -> Option<Plane> {
     }
 }
 
+/// How often the sky is measured on the way to signal-to-noise.
+pub(crate) const ROUNDS: u32 = 3;
 /// From the pixels to signal-to-noise: the sky is measured anew without the sources, twice.
 const SKY: [Stage; 10] = [
     Stage::Values,

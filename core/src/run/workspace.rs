@@ -66,7 +66,8 @@ impl<L: Level> Workspace<'_, L> {
             let reason = "the places of its pixels have 16 bits: no side may be longer than 65536 pixels";
             return Err(Error::Arithmetic { name: L::NAME, reason });
         }
-        let needed = mesh_cells(width, grid.height, cell);
+        let (columns, rows) = known.image((width, grid.height));
+        let needed = mesh_cells(columns, rows, cell);
         if self.mesh.len() < needed {
             return Err(Error::Length { name: "the mesh", given: self.mesh.len(), needed });
         }

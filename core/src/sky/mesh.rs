@@ -4,6 +4,7 @@ use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
 use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
+use crate::plane::part::{CELL_WORDS, Question, Whole};
 use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
 
@@ -51,7 +52,8 @@ impl Survey {
 pub struct Mesh<'m> {
     cells: &'m mut [Sky],
     copy: &'m mut [Sky],
-    shape: Shape,
+    grid: Grid,
+    size: (usize, usize),
     /// Cells per pixel along each axis.
     scale: (f32, f32),
 }
@@ -85,7 +87,7 @@ impl<'m> Mesh<'m> {
         let (columns, rows) = (cells_along(size.0, cell), cells_along(size.1, cell).get());
         let scale = (columns.get() as f32 / size.0 as f32, rows as f32 / size.1 as f32);
         let (cells, copy) = cells.split_at_mut_checked(columns.get() * rows).unwrap_or((&mut [], &mut []));
-        Mesh { cells, copy, shape: Shape { grid: Grid { width: columns, height: rows }, size }, scale }
+        Mesh { cells, copy, grid: Grid { width: columns, height: rows }, size, scale }
     }
 
     /// A mesh of which nothing is known yet.
@@ -109,7 +111,7 @@ impl<'m> Mesh<'m> {
         self.measure_by(&Alone, pixels, seen, values, keys)
     }
 
-    /// The same by a crew; the more of [`cell_pixels`] the keys have room for, the more of it can work.
+    /// The same by a crew, which takes the rows of cells where `keys` has room for [`cell_pixels`] for each of them.
     pub fn measure_by(
         &mut self,
         crew: &impl Crew,
@@ -118,26 +120,84 @@ impl<'m> Mesh<'m> {
         values: &Values,
         mut keys: Keys<'_>,
     ) -> Survey {
-        let Shape { grid, size, .. } = self.shape;
+        let (size, grid) = (self.size, self.grid);
+        let row_of_cells = |row: usize, cells: &mut [Sky], mut keys: Keys<'_>| {
+            let mut told = Told::default();
+            for (column, cell) in cells.iter_mut().enumerate() {
+                let mut count = Count::default();
+                // Adding 0 gives both zeros one key.
+                let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
+                let places = cell_of(size, grid, row * grid.width.get() + column);
+                let sorted = keys.sorted(places.filter(|&at| count.sees(seen(at)) == Seen::Sky).map(value));
+                if told.hears(column, &count) {
+                    *cell = clipped(sorted, values);
+                }
+            }
+            told
+        };
         let room = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
-        let mut rows = [RowOfCells::default(); MOST_CELLS];
-        let cells = self.cells.chunks_mut(grid.width.get()).zip(&mut rows).enumerate();
-        let look = Look { shape: self.shape, pixels, seen, values };
-        if crew.hands() > 1 && keys.room() >= room * grid.height {
+        let mut told = [Told::default(); MOST_CELLS];
+        let rows = self.cells.chunks_mut(grid.width.get()).zip(&mut told).enumerate();
+        if crew.hands() > 1 && room > 0 && keys.room() >= room * grid.height {
             let Keys(keys, spare) = keys;
-            let keys = keys.chunks_mut(room.max(1)).zip(spare.chunks_mut(room.max(1)));
-            crew.each(cells.zip(keys), |((row, (cells, told)), (keys, spare))| {
-                *told = look.measure_row(row, cells, Keys(keys, spare));
+            let keys = keys.chunks_mut(room).zip(spare.chunks_mut(room));
+            crew.each(rows.zip(keys), |((row, (cells, told)), (keys, spare))| {
+                *told = row_of_cells(row, cells, Keys(keys, spare));
             });
         } else {
-            for (row, (cells, told)) in cells {
-                *told = look.measure_row(row, cells, keys.again());
+            rows.for_each(|(row, (cells, told))| *told = row_of_cells(row, cells, keys.again()));
+        }
+        self.settle(&told)
+    }
+
+    /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
+    /// together; `seen` goes by the part's indices. `None` while others have yet to answer.
+    pub(crate) fn asked(
+        &mut self,
+        (whole, round): (&dyn Whole, u32),
+        (pixels, width): (&[f32], usize),
+        seen: impl Fn(usize) -> Seen,
+        values: &Values,
+        mut keys: Keys<'_>,
+    ) -> Option<Survey> {
+        let (part, size, grid) = (whole.part(), self.size, self.grid);
+        let local = |at: usize| {
+            let (x, y) = ((at % size.0).checked_sub(part.origin.0)?, (at / size.0).checked_sub(part.origin.1)?);
+            (x < width).then_some(y * width + x)
+        };
+        let places = |index: usize| cell_of(size, grid, index).filter_map(local);
+        let is_own = |index: &usize| {
+            let middle = middle_of(size, grid, *index);
+            let (x, y) = (middle.0.checked_sub(part.origin.0), middle.1.checked_sub(part.origin.1));
+            x.zip(y).is_some_and(|place| part.owns(place))
+        };
+        let words = |index: usize| {
+            let mut count = Count::default();
+            let of_sky = places(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
+            let sorted = keys.sorted(of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0)));
+            let (Sky { level, noise }, Count { all, defined, sky }) = (clipped(sorted, values), count);
+            [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
+        };
+        let answer = whole.words(Question::Cells(round), &mut (0..grid.cells()).filter(is_own).flat_map(words))?;
+        let cell = |index: usize| answer.get(index * CELL_WORDS..).and_then(|words| words.first_chunk::<CELL_WORDS>());
+        let mut told = [Told::default(); MOST_CELLS];
+        for (index, own) in self.cells.iter_mut().enumerate() {
+            let Some(&[_, all, defined, sky, level, noise]) = cell(index) else { continue };
+            let count = Count { all: all as usize, defined: defined as usize, sky: sky as usize };
+            let (column, row) = grid.place(index);
+            if told.get_mut(row).is_some_and(|told| told.hears(column, &count)) {
+                *own = Sky { level: f32::from_bits(level), noise: f32::from_bits(noise) };
             }
         }
-        let sum = |part: fn(&Survey) -> u32| rows.iter().map(|row| part(&row.survey)).sum();
+        Some(self.settle(&told))
+    }
+
+    /// Settles what cells have that were not measured, from what was told of every row.
+    fn settle(&mut self, told: &[Told]) -> Survey {
+        let sum = |part: fn(&Survey) -> u32| told.iter().map(|told| part(&told.survey)).sum();
         let survey = Survey { cells: sum(|survey| survey.cells), measured: sum(|survey| survey.measured) };
         if !survey.is_crowded() {
-            for (row, told) in self.cells.chunks_mut(grid.width.get()).zip(rows) {
+            for (row, told) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(told) {
                 let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| told.enough >> column & 1 == 0);
                 unmeasured.for_each(|(_, cell)| *cell = Sky::UNKNOWN);
             }
@@ -157,14 +217,14 @@ impl<'m> Mesh<'m> {
 
     /// Unknown cells take the mean of their known neighbours, ring by ring.
     fn fill(&mut self) {
-        for _ in 0..self.shape.grid.width.get() + self.shape.grid.height {
+        for _ in 0..self.grid.width.get() + self.grid.height {
             self.copy();
             if self.cells.iter().all(|cell| cell.known()) {
                 return;
             }
             for (index, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| !cell.known()) {
                 let (mut level, mut noise, mut count) = (0.0, 0.0, 0.0);
-                let near = self.shape.grid.neighbours(index).map(|near| Self::cell(self.copy, near));
+                let near = self.grid.neighbours(index).map(|near| Self::cell(self.copy, near));
                 for near in near.filter(|near| near.known()) {
                     (level, noise, count) = (level + near.level, noise + near.noise, count + 1.0);
                 }
@@ -179,9 +239,9 @@ impl<'m> Mesh<'m> {
     /// straight, so that there a slope is kept too, and the noise stays.
     fn smooth(&mut self) {
         self.copy();
-        let (columns, rows) = (self.shape.grid.width.get(), self.shape.grid.height);
+        let (columns, rows) = (self.grid.width.get(), self.grid.height);
         for (index, cell) in self.cells.iter_mut().enumerate() {
-            let (column, row) = self.shape.grid.place(index);
+            let (column, row) = self.grid.place(index);
             let near = |value: fn(Sky) -> f32, slope: f32| {
                 let at = |column: usize, row: usize| value(Self::cell(self.copy, row * columns + column));
                 let along = |x: Step, row: usize| x.beyond(|column| at(column, row), slope);
@@ -203,7 +263,7 @@ impl<'m> Mesh<'m> {
 
     /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
     pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
-        let (columns, up) = (self.shape.grid.width.get(), Between::new(y, self.shape.grid.height, self.scale.1));
+        let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
         let corners = |column: usize| [up.first, up.next].map(|row| Self::cell(self.cells, row * columns + column));
         let until = x + level.len().min(noise.len());
         let (mut x, mut rest) = (x, level.iter_mut().zip(noise));
@@ -230,58 +290,41 @@ fn blend([before, after]: [[f32; 2]; 2], across: f32, up: f32) -> f32 {
     row(first, first_after) * (1.0 - up) + row(next, next_after) * up
 }
 
-/// How the cells lie over the frame.
-#[derive(Clone, Copy, Debug)]
-struct Shape {
-    grid: Grid,
-    size: (usize, usize),
+/// First and last column, first and last row of a cell, the last not included.
+fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4] {
+    let (column, row) = grid.place(index);
+    let (columns, rows) = (grid.width, NonZero::new(grid.height).unwrap_or(NonZero::<usize>::MIN));
+    [column * width / columns, (column + 1) * width / columns, row * height / rows, (row + 1) * height / rows]
 }
 
-impl Shape {
-    /// The pixels of a cell, row by row.
-    fn pixels(&self, column: usize, row: usize) -> impl Iterator<Item = usize> + use<> {
-        let ((width, height), columns) = (self.size, self.grid.width);
-        let rows = NonZero::new(self.grid.height).unwrap_or(NonZero::<usize>::MIN);
-        let (left, right) = (column * width / columns, (column + 1) * width / columns);
-        let (bottom, top) = (row * height / rows, (row + 1) * height / rows);
-        (bottom..top).flat_map(move |y| y * width + left..y * width + right)
-    }
+/// The pixels of a cell, row by row.
+fn cell_of(size: (usize, usize), grid: Grid, index: usize) -> impl Iterator<Item = usize> + use<> {
+    let [left, right, bottom, top] = sides(size, grid, index);
+    (bottom..top).flat_map(move |y| y * size.0 + left..y * size.0 + right)
 }
 
-/// What a row of cells tells.
+/// Column and row in the middle of a cell: the part that has it measures the cell.
+fn middle_of(size: (usize, usize), grid: Grid, index: usize) -> (usize, usize) {
+    let [left, right, bottom, top] = sides(size, grid, index);
+    (usize::midpoint(left, right), usize::midpoint(bottom, top))
+}
+
+/// What is told of a row of cells.
 #[derive(Clone, Copy, Default)]
-struct RowOfCells {
+struct Told {
     survey: Survey,
     /// A bit for each cell that has enough sky.
     enough: u64,
 }
 
-/// A frame that is looked at for its sky.
-struct Look<'a, S> {
-    shape: Shape,
-    pixels: &'a [f32],
-    seen: S,
-    values: &'a Values,
-}
-
-impl<S: Fn(usize) -> Seen> Look<'_, S> {
-    /// Measures the cells of a row that have enough sky.
-    fn measure_row(&self, row: usize, cells: &mut [Sky], mut keys: Keys<'_>) -> RowOfCells {
-        let mut told = RowOfCells::default();
-        for (column, cell) in cells.iter_mut().enumerate() {
-            let mut count = Count::default();
-            // Adding 0 gives both zeros one key.
-            let value = |at: usize| self.pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
-            let sky = self.shape.pixels(column, row).filter(|&at| count.sees((self.seen)(at)) == Seen::Sky);
-            let sorted = keys.sorted(sky.map(value));
-            told.survey.cells += u32::from(count.defined > 0);
-            if count.is_enough() {
-                told.survey.measured += 1;
-                told.enough |= 1 << column;
-                *cell = clipped(sorted, self.values);
-            }
-        }
-        told
+impl Told {
+    /// Hears of the pixels of a cell; whether it has enough sky to be measured.
+    fn hears(&mut self, column: usize, count: &Count) -> bool {
+        let is_enough = count.is_enough();
+        self.survey.cells += u32::from(count.defined > 0);
+        self.survey.measured += u32::from(is_enough);
+        self.enough |= u64::from(is_enough) << column;
+        is_enough
     }
 }
 
@@ -405,7 +448,7 @@ mod tests {
         (0..noise.len()).map(|at| noise[at * 7919 % noise.len()] + level(at % SIDE, at / SIDE)).collect()
     }
 
-    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen) -> Survey {
+    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen + Sync) -> Survey {
         let room = cell_pixels(SIDE, SIDE, CELL);
         let (mut keys, mut spare) = (std::vec![0; room], std::vec![0; room]);
         let seen = |at: usize| seen(at % SIDE, at / SIDE);

@@ -6,6 +6,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::field::Field;
+use crate::plane::part::{self, Question, Whole};
 use crate::plane::sort::{Keys, median};
 
 /// Brightness from which the curve is read; each level is twice the one before it.
@@ -18,19 +19,33 @@ const ENOUGH: usize = 100;
 /// The photon noise `a` of a signal-to-noise image: a pixel of brightness v has the variance
 /// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
 /// where no level has enough pixels. `fine` is the signal lightly smoothed, `masked` above 0 near
-/// sources. Cost: four looks at each pixel.
-pub fn slope<L: Level>(signal: Field<'_, L>, fine: &[L], masked: &[L], mut keys: Keys<'_>) -> f32 {
-    let stride = keys.stride(fine.len());
-    let mut middle = |places: &mut dyn Iterator<Item = usize>| {
-        let sorted = keys.sorted(places.filter_map(|at| second_difference(signal, at)));
+/// sources. Cost: five looks at each pixel. While other parts of an image have yet to answer, it means nothing.
+pub fn slope<L: Level>(
+    whole: Option<&dyn Whole>,
+    signal: Field<'_, L>,
+    fine: &[L],
+    masked: &[L],
+    mut keys: Keys<'_>,
+) -> f32 {
+    let mut scatter = |question: Question, from: f32, to: f32| {
+        let sky = question == Question::PhotonSky;
+        let (from, to) = (L::of(from), L::of(to));
+        let wanted = |bright: L, mask: L| if sky { mask <= L::ZERO } else { bright >= from && bright < to };
+        let value = |at: usize| {
+            let (&bright, &mask) = fine.get(at).zip(masked.get(at))?;
+            if wanted(bright, mask) { second_difference(signal, at) } else { None }
+        };
+        let pixels = (fine.len(), signal.grid.width.get(), sky);
+        let sorted = part::sorted(whole.map(|whole| (whole, question)), pixels, &mut keys, value)?;
         (sorted.len() >= ENOUGH).then(|| median::<L>(sorted).to_f32())
     };
-    let quiet = masked.iter().enumerate().step_by(stride).filter(|(_, mask)| **mask <= L::ZERO);
-    let Some(sky) = middle(&mut quiet.map(|(at, _)| at)).filter(|&sky| sky > 0.0) else { return 0.0 };
+    let sky = scatter(Question::PhotonSky, 0.0, 0.0).filter(|&sky| sky > 0.0);
+    let waiting = whole.is_some_and(Whole::is_waiting);
+    let Some(sky) = sky.or(waiting.then_some(1.0)) else { return 0.0 };
     let mut least = None;
     let mut from = FAINTEST;
-    for _ in 0..LEVELS {
-        if let Some(level) = middle(&mut between(fine, L::of(from), L::of(2.0 * from))) {
+    for number in 0..LEVELS {
+        if let Some(level) = scatter(Question::Photons(number), from, 2.0 * from) {
             let ratio = level / sky;
             // The middle of the level, in the logarithm.
             let slope = (ratio * ratio - 1.0) / (from * core::f32::consts::SQRT_2);
@@ -39,17 +54,6 @@ pub fn slope<L: Level>(signal: Field<'_, L>, fine: &[L], masked: &[L], mut keys:
         from *= 2.0;
     }
     least.filter(|&slope| slope > 0.0).unwrap_or(0.0)
-}
-
-/// Pixels that are looked at together.
-const PIECE: usize = 16;
-
-/// The places whose values are at least `from` and below `to`.
-fn between<L: Level>(fine: &[L], from: L, to: L) -> impl Iterator<Item = usize> {
-    let pieces = (0..).step_by(PIECE).zip(fine.chunks(PIECE));
-    let any = move |piece: &[L]| piece.iter().fold(false, |any, value| any | (*value >= from && *value < to));
-    let pieces = pieces.filter(move |(_, piece)| any(piece)).flat_map(|(first, piece)| (first..).zip(piece));
-    pieces.filter(move |(_, value)| **value >= from && **value < to).map(|(at, _)| at)
 }
 
 /// The size of the difference along x of the difference along y; `None` at the frame's border.

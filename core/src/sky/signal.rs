@@ -3,6 +3,7 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
+use crate::plane::part::{self, Question, Whole};
 use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
@@ -37,10 +38,16 @@ pub struct Planes<'m, L: Level> {
     pub mesh: &'m mut [Sky],
 }
 
-/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined pixel has the mean of the two
-/// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
-/// to divide by.
-pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>, crew: &impl Crew) -> Option<Survey> {
+/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
+/// pixel has the mean of the two between which it lies, or none. Tells how the sky was measured; `None`
+/// where there is no noise to divide by. `round` counts how often it has been measured.
+pub fn measure<L: Level>(
+    view: &View<'_>,
+    cell: usize,
+    round: u32,
+    work: &mut Planes<'_, L>,
+    crew: &impl Crew,
+) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
@@ -50,19 +57,29 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>,
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
     };
-    let mut mesh = Mesh::over(work.mesh, (width, grid.height), cell);
-    let survey = mesh.measure_by(crew, pixels, seen, &values, keys.again());
-    let sky_at = |at: usize| mesh.at(at % grid.width, at / grid.width);
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    let survey = match known.whole {
+        None => mesh.measure_by(crew, pixels, seen, &values, keys.again()),
+        // Nothing can be done before it is known.
+        Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
+            Some(survey) => survey,
+            None => return Some(Survey::default()),
+        },
+    };
+    let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
+    let sky_at = |at: usize| mesh.at(left + at % grid.width, bottom + at / grid.width);
     let mut factor = 1.0;
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(ratio, pixels.len(), keys);
+        factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
     }
-    let (rows, mut noise_seen) = (crew.rows(grid), [false; MOST_BANDS]);
-    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(width * rows)).zip(&mut noise_seen);
+    // A part may have no pixel, where the image has.
+    let noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
+    let (rows, mut seen_in) = (crew.rows(grid), [noise_seen; MOST_BANDS]);
+    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(width * rows)).zip(&mut seen_in);
     crew.each(bands, |((first, band), noise_seen)| {
         for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
-            *noise_seen |= signal_row(view, y, &mesh, factor, out);
+            *noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
         }
     });
     bridge(view, work.scratch);
@@ -73,15 +90,28 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, work: &mut Planes<'_, L>,
             clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
         }
     });
-    noise_seen.contains(&true).then_some(survey)
+    seen_in.contains(&true).then_some(survey)
+}
+
+/// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
+pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn Whole, work: &mut Planes<'_, L>) {
+    let pixels = (view.pixels, view.grid.width.get());
+    let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, work.keys.again());
 }
 
 /// Pixels of a row whose sky is looked up together.
 const PIECE: usize = 64;
 
-/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. Noise that is given
-/// counts `factor` times.
-fn signal_row<L: Level>(view: &View<'_>, y: usize, mesh: &Mesh<'_>, factor: f32, out: &mut [L]) -> bool {
+/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. The mesh is read from a
+/// column and row of its frame on; noise that is given counts `factor` times.
+fn signal_row<L: Level>(
+    view: &View<'_>,
+    y: usize,
+    (mesh, (left, bottom)): (&Mesh<'_>, (usize, usize)),
+    factor: f32,
+    out: &mut [L],
+) -> bool {
     let &View { pixels, grid, values, .. } = view;
     let (width, mut noise_seen) = (grid.width.get(), false);
     let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
@@ -89,7 +119,7 @@ fn signal_row<L: Level>(view: &View<'_>, y: usize, mesh: &Mesh<'_>, factor: f32,
         let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
         let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
         let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
-        mesh.along(x, y, level, noise);
+        mesh.along(left + x, bottom + y, level, noise);
         if let Some(map) = view.known.background {
             level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
         }
@@ -128,22 +158,32 @@ fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
 }
 
 /// The median of the positive values of a sample; 1 where there are none.
-fn typical(value: impl Fn(usize) -> f32, count: usize, mut keys: Keys<'_>) -> f32 {
-    let positive = |value: &f32| value.is_finite() && *value > 0.0;
-    let sorted = keys.sorted((0..count).step_by(keys.stride(count)).map(value).filter(positive));
-    if sorted.is_empty() { 1.0 } else { median(sorted) }
+fn typical(
+    whole: Option<(&dyn Whole, Question)>,
+    value: impl Fn(usize) -> f32,
+    count: usize,
+    width: usize,
+    mut keys: Keys<'_>,
+) -> f32 {
+    let positive = |at: usize| Some(value(at)).filter(|value| value.is_finite() && *value > 0.0);
+    match part::sorted(whole, (count, width, true), &mut keys, positive) {
+        Some(sorted) if !sorted.is_empty() => median(sorted),
+        _ => 1.0,
+    }
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
-    let (grid, piled) = (view.grid, view.values.piled);
+pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
+    let grid = view.grid;
     Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid, crew);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
-    let tail = Tail::measure(|at| value(fine, at), work.masked, piled, work.keys.again());
+    let questions = [Question::Fine(round), Question::FinePowers(round)];
+    let tail = view.tail(questions, |at| value(fine, at), work.masked, work.keys.again());
     Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid, crew);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
-    let details = Tail::measure(detail, work.masked, piled, work.keys.again());
+    let questions = [Question::Details(round), Question::DetailPowers(round)];
+    let details = view.tail(questions, detail, work.masked, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
         *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };

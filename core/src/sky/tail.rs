@@ -5,6 +5,7 @@
 //! that of E. A. Cornish and R. A. Fisher 1938, doi:10.2307/1400905, to the first order.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::part::{self, Question, Whole};
 use crate::plane::sort::{Keys, median, ranked};
 
 /// From the distance between median and quartile to the standard deviation of a normal distribution.
@@ -30,11 +31,28 @@ impl<L: Level> Tail<L> {
     /// positive: the lower half of the values gives the noise. Where the frame is `piled` up at its
     /// least value the upper half counts as much, and the skewness is measured. Of large planes a sample
     /// gives the noise. Cost: a sort of the sample; where piled, two looks at each pixel more.
-    pub fn measure(value: impl Fn(usize) -> L, masked: &[L], piled: bool, mut keys: Keys<'_>) -> Tail<L> {
-        let places = masked.iter().enumerate().step_by(keys.stride(masked.len()));
-        let sorted = keys.sorted(places.filter(|(_, mask)| **mask <= L::ZERO).map(|(at, _)| value(at)));
+    pub fn measure(value: impl Fn(usize) -> L, masked: &[L], piled: bool, keys: Keys<'_>) -> Tail<L> {
+        Tail::asked(None, 1, value, masked, piled, keys).unwrap_or(Tail::UNKNOWN)
+    }
+
+    /// The tail of too few values.
+    pub(crate) const UNKNOWN: Tail<L> = Tail { noise: L::ONE, skewness: 0.0 };
+
+    /// The same of all parts of an image, where the plane, in rows of `width`, belongs to one of them: asked by the
+    /// question for the noise and that for the powers. `None` while others have yet to answer.
+    pub(crate) fn asked(
+        whole: Option<(&dyn Whole, [Question; 2])>,
+        width: usize,
+        value: impl Fn(usize) -> L,
+        masked: &[L],
+        piled: bool,
+        mut keys: Keys<'_>,
+    ) -> Option<Tail<L>> {
+        let sky = |at: usize| masked.get(at).filter(|mask| **mask <= L::ZERO).map(|_| value(at));
+        let asked = whole.map(|(whole, [noise, _])| (whole, noise));
+        let sorted = part::sorted(asked, (masked.len(), width, true), &mut keys, sky)?;
         if sorted.len() < 16 {
-            return Tail { noise: L::ONE, skewness: 0.0 };
+            return Some(Tail::UNKNOWN);
         }
         // The middle of each half's distances from the median.
         let (half, centre) = (sorted.len() / 2, median::<L>(sorted));
@@ -43,8 +61,17 @@ impl<L: Level> Tail<L> {
         let both = (lower + upper).scaled(L::Weight::of(0.5));
         let quartile = if piled { lower.greatest(both) } else { lower };
         let noise = quartile.scaled(L::Weight::of(FROM_QUARTILE));
-        let skewness = if piled { skewness(value, masked, noise) } else { 0.0 };
-        Tail { noise, skewness }
+        let skewness = match (piled, whole) {
+            (false, _) => 0.0,
+            (true, None) => skewness(value, masked, noise),
+            (true, Some((whole, [_, powers]))) => {
+                let reach = noise.scaled(L::Weight::of(REACH));
+                let near = |at: usize| sky(at).filter(|value| value.magnitude() <= reach);
+                let own = || part_powers(whole.part().own(width).filter_map(near));
+                skewness_of(whole.sums(powers, &mut { own })?)
+            }
+        };
+        Some(Tail { noise, skewness })
     }
 
     /// The value that noise exceeds as rarely as normal noise exceeds `height` standard deviations.
@@ -73,6 +100,26 @@ fn skewness<L: Level>(value: impl Fn(usize) -> L, masked: &[L], noise: L) -> f32
         return 0.0;
     }
     let skewness = (cubes / f64::from(count.max(1)) / (variance * libm::sqrt(variance))) as f32;
+    if skewness < LEAST { 0.0 } else { skewness.least(MOST) }
+}
+
+/// The number of values, and the sums of their first three powers.
+fn part_powers<L: Level>(values: impl Iterator<Item = L>) -> [f64; 4] {
+    values.map(|value| f64::from(value.to_f32())).fold([0.0; 4], |[count, sum, squares, cubes], value| {
+        [count + 1.0, sum + value, squares + value * value, cubes + value * value * value]
+    })
+}
+
+/// The skewness that these sums tell; all but for rounding that of [`skewness`].
+fn skewness_of([count, sum, squares, cubes]: [f64; 4]) -> f32 {
+    let count = if count > 1.0 { count } else { 1.0 };
+    let (mean, square, cube) = (sum / count, squares / count, cubes / count);
+    let variance = square - mean * mean;
+    if variance <= 0.0 {
+        return 0.0;
+    }
+    let third = cube - 3.0 * mean * square + 2.0 * mean * mean * mean;
+    let skewness = (third / (variance * libm::sqrt(variance))) as f32;
     if skewness < LEAST { 0.0 } else { skewness.least(MOST) }
 }
 

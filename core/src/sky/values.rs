@@ -4,6 +4,7 @@
 //! black level, and fill pixels that were never observed with one number.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::part::{self, Question, Whole};
 use crate::plane::sort::{Keys, median, ranked};
 
 /// A fill value has more than one in so many of the pixels.
@@ -68,17 +69,31 @@ impl Values {
     /// Looks at the pixels of a frame, row-major in rows of `width`, that are finite and `allowed`.
     /// Steps, fill and pile are read from a sample of at most [`crate::plane::sort::SAMPLES`]. Cost: two
     /// looks at each pixel and one sort of the sample.
-    pub fn measure(pixels: &[f32], width: usize, allowed: impl Fn(usize) -> bool, mut keys: Keys<'_>) -> Values {
+    pub fn measure(pixels: &[f32], width: usize, allowed: impl Fn(usize) -> bool, keys: Keys<'_>) -> Values {
+        Values::asked(None, pixels, width, allowed, keys).unwrap_or(Values::UNKNOWN)
+    }
+
+    /// The same of all parts of an image, where the pixels are one of them; `None` while others have yet to answer.
+    pub(crate) fn asked(
+        whole: Option<&dyn Whole>,
+        pixels: &[f32],
+        width: usize,
+        allowed: impl Fn(usize) -> bool,
+        mut keys: Keys<'_>,
+    ) -> Option<Values> {
         let observed = |&at: &usize| allowed(at) && pixels.get(at).is_some_and(|pixel| pixel.is_finite());
         // One key for both zeros.
         let value = |at: usize| pixels.get(at).copied().unwrap_or(0.0) + 0.0;
-        let sample = (0..pixels.len()).step_by(keys.stride(pixels.len())).filter(observed);
-        let sorted = keys.sorted(sample.map(value));
-        let fill = fill_value(sorted).filter(|&fill| {
-            let pairs = Pairs::count(pixels, width, |at| observed(&at) && value(at) == fill);
-            pairs.are_together(sorted.len(), occurrences(sorted, fill))
-        });
-        let fill = fill.unwrap_or(f32::NAN);
+        let asked = whole.map(|whole| (whole, Question::Values));
+        let sampled = (pixels.len(), width, true);
+        let sorted = part::sorted(asked, sampled, &mut keys, |at| observed(&at).then(|| value(at)))?;
+        let mut fill = f32::NAN;
+        if let Some(candidate) = fill_value(sorted) {
+            let pairs = Pairs::asked(whole, pixels.len(), width, |at| observed(&at) && value(at) == candidate)?;
+            if pairs.are_together(sorted.len(), occurrences(sorted, candidate)) {
+                fill = candidate;
+            }
+        }
         let mut values = Values { fill, ..Values::UNKNOWN };
         let rest = || runs(sorted).filter(|run| run.value != fill);
         values.commonest = rest().reduce(commoner).map_or(0.0, |run| run.value);
@@ -89,8 +104,8 @@ impl Values {
             values.greatest = most.value;
             values.saturated = count >= SATURATED_FROM && most.count * PILE_SHARE > count;
         }
-        values.span(pixels, width, |at| observed(&at));
-        values
+        values.span(whole, pixels, width, |at| observed(&at))?;
+        Some(values)
     }
 
     /// Whether a value is an observation.
@@ -100,25 +115,49 @@ impl Values {
 
     /// Counts the pixels, and takes the range that neighbours in a row reach together: one hot
     /// pixel does not widen it.
-    fn span(&mut self, pixels: &[f32], width: usize, observed: impl Fn(usize) -> bool) {
+    fn span(
+        &mut self,
+        whole: Option<&dyn Whole>,
+        pixels: &[f32],
+        width: usize,
+        observed: impl Fn(usize) -> bool,
+    ) -> Option<()> {
+        let part = whole.map(Whole::part);
+        let all = (0..width, 0..pixels.len().div_ceil(width.max(1)));
+        let (columns, rows) = part.map_or(all, |part| (part.columns, part.rows));
         let (mut least, mut greatest) = (f32::MAX, f32::MIN);
-        for (y, row) in pixels.chunks(width.max(1)).enumerate() {
+        for (y, row) in pixels.chunks(width.max(1)).enumerate().take(rows.end).skip(rows.start) {
+            // A part sees the pixel that its neighbour has on the left.
             let mut before = None;
-            for (x, &pixel) in row.iter().enumerate() {
+            for (x, &pixel) in row.iter().enumerate().take(columns.end).skip(columns.start.saturating_sub(1)) {
                 let seen = observed(y * width + x);
                 let defined = seen && self.holds(pixel);
-                self.defined += u32::from(defined);
-                self.filled += u32::from(seen && !defined);
-                if let (Some(before), true) = (before, defined) {
-                    least = least.least(pixel.greatest(before));
-                    greatest = greatest.greatest(pixel.least(before));
+                if x >= columns.start {
+                    self.defined += u32::from(defined);
+                    self.filled += u32::from(seen && !defined);
+                    if let (Some(before), true) = (before, defined) {
+                        least = least.least(pixel.greatest(before));
+                        greatest = greatest.greatest(pixel.least(before));
+                    }
                 }
                 before = defined.then_some(pixel);
             }
         }
+        if let Some(whole) = whole {
+            let counts = [f64::from(self.defined), f64::from(self.filled), 0.0, 0.0];
+            let own = |value: f32| [value.key()].into_iter().filter(move |_| least < f32::MAX);
+            let sums = whole.sums(Question::Defined, &mut || counts);
+            let keys = whole.words(Question::Least, &mut own(least));
+            let others = whole.words(Question::Greatest, &mut own(greatest));
+            let [defined, filled, ..] = sums?;
+            (self.defined, self.filled) = (defined as u32, filled as u32);
+            least = keys?.first().map_or(f32::MAX, |&key| f32::of_key(key));
+            greatest = others?.last().map_or(f32::MIN, |&key| f32::of_key(key));
+        }
         if greatest > least {
             self.resolution = greatest * RESOLUTION - least * RESOLUTION;
         }
+        Some(())
     }
 }
 
@@ -197,13 +236,24 @@ struct Pairs {
 }
 
 impl Pairs {
-    fn count(pixels: &[f32], width: usize, holds: impl Fn(usize) -> bool) -> Pairs {
+    fn count(places: impl Iterator<Item = usize>, width: usize, holds: impl Fn(usize) -> bool) -> Pairs {
         let mut pairs = Pairs { all: 0, followed: 0 };
-        for at in (0..pixels.len()).filter(|&at| holds(at)) {
+        for at in places.filter(|&at| holds(at)) {
             pairs.all += 1;
             pairs.followed += usize::from(!(at + 1).is_multiple_of(width.max(1)) && holds(at + 1));
         }
         pairs
+    }
+
+    /// Of a frame of `count` pixels, or of all parts of an image.
+    fn asked(whole: Option<&dyn Whole>, count: usize, width: usize, holds: impl Fn(usize) -> bool) -> Option<Pairs> {
+        let Some(whole) = whole else { return Some(Pairs::count(0..count, width, holds)) };
+        let mut own = || {
+            let Pairs { all, followed } = Pairs::count(whole.part().own(width), width, &holds);
+            [all as f64, followed as f64, 0.0, 0.0]
+        };
+        let [all, followed, ..] = whole.sums(Question::Filling, &mut own)?;
+        Some(Pairs { all: all as usize, followed: followed as usize })
     }
 
     /// What most pixels hold is filled in where it lies together; zeros of a photon counter are strewn.

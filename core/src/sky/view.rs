@@ -1,8 +1,11 @@
 //! A frame with what is known of it beforehand: which pixels are observations, and maps of sky and noise.
 
+use crate::arithmetic::Level;
 use crate::plane::grid::Grid;
+use crate::plane::part::{Question, Whole};
 use crate::plane::sort::Keys;
 use crate::sky::Values;
+use crate::sky::tail::Tail;
 
 /// What is known of the sky beforehand; what is not is measured on the image.
 #[derive(Clone, Copy, Debug, Default)]
@@ -15,9 +18,16 @@ pub struct Known<'a> {
     /// Whether `noise` says only which pixels are noisier than others, as weight maps do: it is
     /// then multiplied by one factor, so that it agrees with the noise that is measured.
     pub relative: bool,
+    /// The image that the frame is a part of, which knows what depends on all of it.
+    pub whole: Option<&'a dyn Whole>,
 }
 
 impl Known<'_> {
+    /// Columns and rows of the image that a frame of this size is, or is a part of.
+    pub(crate) fn image(&self, frame: (usize, usize)) -> (usize, usize) {
+        self.whole.map_or(frame, |whole| whole.part().image)
+    }
+
     pub(crate) fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
         map.and_then(|map| map.get(at).copied())
     }
@@ -46,8 +56,26 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// Looks at a frame.
     pub fn of(pixels: &'a [f32], grid: Grid, known: Known<'a>, keys: Keys<'_>) -> View<'a> {
-        let values = Values::measure(pixels, grid.width.get(), |at| known.allows(at), keys);
-        View { pixels, grid, known, values }
+        let values = Values::asked(known.whole, pixels, grid.width.get(), |at| known.allows(at), keys);
+        View { pixels, grid, known, values: values.unwrap_or(Values::UNKNOWN) }
+    }
+
+    /// Columns and rows of the image that the frame is, or is a part of.
+    pub(crate) fn image(&self) -> (usize, usize) {
+        self.known.image((self.grid.width.get(), self.grid.height))
+    }
+
+    /// The tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
+    /// have yet to answer.
+    pub(crate) fn tail<L: Level>(
+        &self,
+        questions: [Question; 2],
+        value: impl Fn(usize) -> L,
+        masked: &[L],
+        keys: Keys<'_>,
+    ) -> Tail<L> {
+        let whole = self.known.whole.map(|whole| (whole, questions));
+        Tail::asked(whole, self.grid.width.get(), value, masked, self.values.piled, keys).unwrap_or(Tail::UNKNOWN)
     }
 
     /// Whether a pixel is an observation that may be used.
@@ -56,9 +84,10 @@ impl<'a> View<'a> {
         self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
     }
 
-    /// Whether every pixel is defined.
+    /// Whether every pixel is defined, of all of the image where this is a part.
     pub(crate) fn is_whole(&self) -> bool {
-        self.values.defined as usize == self.pixels.len()
+        let (columns, rows) = self.image();
+        self.values.defined as usize == columns * rows
     }
 
     /// The two defined pixels of its row, or else of its column, between which an undefined one lies.

@@ -2,7 +2,7 @@
 //! and which sources end in a plateau, as saturated stars do.
 
 use crate::arithmetic::{Level, Real};
-use crate::plane::field::Field;
+use crate::plane::field::{Field, offset};
 use crate::plane::rows::used;
 use crate::sources::tree::{Noise, Region};
 
@@ -98,6 +98,6 @@ fn is_flat<L: Level>(light: Field<'_, L>, region: &Region<L>, middle: (L, L)) ->
 /// The middle of the light that was added to a region.
 fn middle<L: Level>(field: Field<'_, L>, region: &Region<L>) -> (L, L) {
     let (x, y) = field.grid.place(region.peak as usize);
-    let along = |peak: usize, sum: f32| L::of(peak as f32 + sum / region.plateau);
+    let along = |peak: usize, sum: f32| L::whole(peak) + offset(sum / region.plateau);
     (along(x, region.offsets.0), along(y, region.offsets.1))
 }

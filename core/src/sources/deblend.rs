@@ -43,11 +43,13 @@ const NEW: f32 = 2.5;
 const FOREIGN: f32 = 0.25;
 
 /// What `other` alone has at a place: the light on its other side, less what the host, symmetric
-/// too, has there, as far as the frame shows it. `None` where the other side is beyond the frame.
+/// too, has there, as far as the frame shows it: no more than around the host at that distance, for
+/// across it may lie a third source. `None` where the other side is beyond the frame.
 fn alone<L: Level>(field: Field<'_, L>, [host, other]: [(L, L); 2], place: (L, L)) -> Option<L> {
     let across = opposite(other, place);
     let light = field.between(across)?;
-    Some((light - field.between(opposite(host, across)).unwrap_or(L::ZERO)).positive())
+    let mirrored = field.between(opposite(host, across)).unwrap_or(L::ZERO);
+    Some((light - mirrored.least(field.around(host, across))).positive())
 }
 
 /// The mirrored light of a source; `None` beyond the frame, and where too much of it is another's.
@@ -164,7 +166,7 @@ fn gather<S: PartialOrd>(
     while next < end {
         let at = queue.get(next).map_or(0, |&at| at as usize);
         next += 1;
-        for near in grid.neighbours(at).take(connectivity.neighbours()) {
+        for near in grid.touching(at, connectivity.neighbours()) {
             let label = label_at(labels, near);
             if label == open {
                 end = take(near, labels, queue);
@@ -240,7 +242,7 @@ pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Reg
                 continue;
             }
             let mut best = own;
-            for near in field.grid.neighbours(at).take(4) {
+            for near in field.grid.touching(at, 4) {
                 let other = label_at(labels, near);
                 if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
                     continue;

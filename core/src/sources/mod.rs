@@ -12,4 +12,4 @@ pub mod selection;
 pub mod separate;
 pub mod significance;
 pub mod tree;
-pub(crate) mod typical;
+pub mod typical;

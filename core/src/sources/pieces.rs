@@ -105,7 +105,7 @@ pub fn relabel(
     while next < known {
         let at = queue.get(next).map_or(0, |&at| at as usize);
         next += 1;
-        for near in grid.neighbours(at).take(connectivity.neighbours()) {
+        for near in grid.touching(at, connectivity.neighbours()) {
             known = take(near, labels, queue);
         }
     }

@@ -4,10 +4,11 @@ use crate::arithmetic::Level;
 use crate::config::{Config, Select, Separate, part_area};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
+use crate::plane::part::{Question, Whole};
 use crate::plane::rows::{next_with, used};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
-use crate::sky::tail::Tail;
+use crate::sky::view::View;
 use crate::sources::significance::height;
 use crate::sources::tree::Region;
 
@@ -63,30 +64,61 @@ pub struct Kept {
     pub pixels: u32,
 }
 
-/// Measures every region, and finds the cut on the peak in the matched image. `piled` is as in
-/// [`crate::sky::Values`].
-pub fn cut<L: Level>(grid: Grid, piled: bool, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut<L> {
+/// Measures every region, and finds the cut on the peak in the matched image. Means nothing while other parts of the
+/// image have yet to answer.
+pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut<L> {
+    let grid = view.grid;
     Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
     Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING, crew);
     measure(work);
+    let peaks = view.known.whole.map(|whole| peaks(whole, grid, config, work));
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
-    let tail = Tail::measure(matched, work.masked, piled, work.keys.again());
+    let questions = [Question::Matched, Question::MatchedPowers];
+    let tail = view.tail(questions, matched, work.masked, work.keys.again());
     let noise = tail.noise.to_f32();
-    let step = |at: usize| matched(at + 1) - matched(at);
-    let slope = Tail::measure(step, work.masked, piled, work.keys.again()).noise.to_f32();
+    // The last of a row has no next one: its step is back.
+    let next = |at: usize| if (at + 1).is_multiple_of(grid.width.get()) { at.wrapping_sub(1) } else { at + 1 };
+    let step = |at: usize| matched(next(at)) - matched(at);
+    let questions = [Question::Slope, Question::SlopePowers];
+    let slope = view.tail(questions, step, work.masked, work.keys.again()).noise.to_f32();
     let roughness = if noise > 0.0 { slope / noise } else { 0.0 };
-    let elements = work.signal.len() as f32 * roughness * roughness;
+    let (columns, rows) = view.image();
+    let elements = (columns * rows) as f32 * roughness * roughness;
     let floor = config.significance.peak * config.outline.threshold;
     let (mut allowed, mut cut) = (config.significance.false_sources, Cut { significance: 0.0, least: L::of(floor) });
     for _ in 0..CUTS {
         let significance = tail.raised(height(elements, allowed));
         let least = significance * noise;
         cut = Cut { significance, least: L::of(if least > floor { least } else { floor }) };
-        let kept = work.regions.iter().filter(|region| is_source(region, config, cut)).count();
+        let kept = match peaks {
+            None => work.regions.iter().filter(|region| is_source(region, config, cut)).count(),
+            Some(peaks) => peaks.len() - peaks.partition_point(|&key| key < cut.least.key()),
+        };
         let share = config.significance.false_share * kept as f32;
         allowed = if share > allowed { share } else { allowed };
     }
     cut
+}
+
+/// The peaks of what may be a source in all parts of an image, sorted keys; each source is told by the part that has its
+/// first pixel.
+fn peaks<'w, L: Level>(whole: &'w dyn Whole, grid: Grid, config: &Config, work: &mut Planes<'_, L>) -> &'w [u32] {
+    /// In place of a label: who has the first pixel.
+    const OWN: u32 = 1;
+    const FOREIGN: u32 = 2;
+    let part = whole.part();
+    for (at, &label) in work.labels.iter().enumerate() {
+        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1))
+            && region.label == 0
+        {
+            region.label = if part.owns(grid.place(at)) { OWN } else { FOREIGN };
+        }
+    }
+    let any_peak = |region: &Region<L>| Cut { least: region.value, ..Cut::NONE };
+    let own = work.regions.iter().filter(|region| region.label == OWN && is_source(region, config, any_peak(region)));
+    let peaks = whole.words(Question::Peaks, &mut own.map(|region| region.value.key())).unwrap_or(&[]);
+    work.regions.iter_mut().for_each(|region| region.label = 0);
+    peaks
 }
 
 /// Area, light and matched peak of every region, from its pixels.

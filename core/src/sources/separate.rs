@@ -5,6 +5,7 @@ use crate::config::{Config, Connectivity, Deblending};
 use crate::plane::crew::Crew;
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
+use crate::plane::part::Whole;
 use crate::plane::rows::next_with;
 use crate::plane::smooth::Weights;
 use crate::plane::sort;
@@ -127,8 +128,10 @@ fn by_brightness<L: Level>(field: Field<'_, L>, labels: &mut [u32], order: &mut 
 }
 
 /// Gives regions their centres, makes light that no host explains regions of their own, lets
-/// neighbours compete for the pixels between them, and leaves each label one connected piece.
+/// neighbours compete for the pixels between them, and leaves each label one connected piece. Ends where other
+/// parts of the image have yet to answer.
 pub fn deblend<L: Level>(
+    whole: Option<&dyn Whole>,
     grid: Grid,
     config: &Config,
     noise: Noise<L>,
@@ -139,7 +142,10 @@ pub fn deblend<L: Level>(
     let regions = work.regions.get_mut(..count.regions).unwrap_or(&mut []);
     centre_on_light([field, light], work.labels, regions, noise);
     let regions = work.regions.get(..count.regions).unwrap_or(&[]);
-    let typical = Typical::of(field, noise.least, regions, (work.parents, work.order));
+    let typical = Typical::of(whole, field, noise.least, regions, (work.parents, work.order));
+    if whole.is_some_and(Whole::is_waiting) {
+        return count;
+    }
     let Config { deblending, connectivity, .. } = *config;
     let Deblending { excess, reopened_area, .. } = deblending;
     let reopening = Reopening { field, typical, noise, excess, least_area: reopened_area, connectivity };

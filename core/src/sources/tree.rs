@@ -99,6 +99,9 @@ pub struct Count {
     pub left_out: u32,
 }
 
+/// Of the nine pixels around a peak so many must be its own: most of them.
+const MOST: usize = 5;
+
 /// Parent of a pixel that is in no region.
 pub const NONE: u32 = u32::MAX;
 
@@ -131,7 +134,7 @@ pub fn grow<L: Level>(
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
-        for near in field.grid.neighbours(at).take(config.connectivity.neighbours()) {
+        for near in field.grid.touching(at, config.connectivity.neighbours()) {
             if parents.get(near).is_none_or(|&parent| parent == NONE) {
                 continue;
             }
@@ -167,7 +170,8 @@ pub fn grow<L: Level>(
         for &other in others {
             let (host_id, other_id) = (id(ids, host), id(ids, other));
             let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
-            if stands_apart(&config.deblending, field, [&bright, &faint], value, photon) {
+            let foreign = |at: usize| is_foreign(parents, at, host);
+            if stands_apart((&config.deblending, photon), field, [&bright, &faint], value, foreign) {
                 for (id, other) in [(host_id, faint.peak), (other_id, bright.peak)] {
                     if let Some(region) = regions.get_mut(id) {
                         region.divide(field, other);
@@ -205,14 +209,15 @@ pub fn grow<L: Level>(
 
 /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
 /// pixels and light above the saddle for the noise there, a peak that rises above it by more than
-/// the noise and the unevenness of optics, and around its peak more than twice
-/// the mirrored light of the brighter.
+/// the noise and the unevenness of optics, and in most pixels around its peak more than twice the
+/// light of the brighter: what lies across that's centre or, where this is of a third region, what there is
+/// around it at that distance.
 fn stands_apart<L: Level>(
-    setting: &Deblending,
+    (setting, photon): (&Deblending, f32),
     field: Field<'_, L>,
     [bright, faint]: [&Region<L>; 2],
     saddle: L,
-    photon: f32,
+    mut foreign: impl FnMut(usize) -> bool,
 ) -> bool {
     let light = faint.sum - saddle.times(faint.area);
     let noise = grown(photon, saddle);
@@ -225,9 +230,19 @@ fn stands_apart<L: Level>(
     }
     let centre = field.centre(bright.peak as usize);
     let peak = faint.peak as usize;
-    let twice = |at: usize| field.mirrored(centre, at).map_or(L::ZERO, |light| light + light);
-    let own = |&at: &usize| field.at(at) > twice(at);
-    field.grid.neighbours(peak).chain([peak]).filter(own).count() >= 3
+    let mut own = |&at: &usize| {
+        let across = field.across(centre, at);
+        let mirrored = field.between(across).unwrap_or(L::ZERO);
+        let third = field.nearest(across).is_some_and(&mut foreign);
+        let light = if third { mirrored.least(field.around(centre, field.place(at))) } else { mirrored };
+        field.at(at) > light + light
+    };
+    field.grid.neighbours(peak).chain([peak]).filter(&mut own).count() >= MOST
+}
+
+/// Whether a pixel is of another region than that with the root `host`.
+fn is_foreign(parents: &mut [u32], at: usize, host: u32) -> bool {
+    parents.get(at).is_some_and(|&parent| parent != NONE) && root(parents, at as u32) != host
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::field::Field;
+use crate::plane::part::{Question, Whole};
 use crate::plane::sort;
 use crate::sources::tree::Region;
 
@@ -15,7 +16,11 @@ const RADIUS: usize = 24;
 /// Cells along an axis.
 const SIDE: usize = 2 * RADIUS + 1;
 /// The most sources that are looked at.
-const MOST: usize = 64;
+pub const MOST: usize = 64;
+/// Words of a source in the answer of all parts of an image: a key by which the brightest comes first, the index of
+/// its peak in the image, and the bits of its light, NaN beyond the image. The answer has the first [`MOST`] of them.
+pub const RECORD: usize = RECORD_HEAD + SIDE * SIDE;
+const RECORD_HEAD: usize = 2;
 /// With fewer, there is no typical one.
 const LEAST: usize = 12;
 /// A source is looked at when its peak is this many times the noise.
@@ -34,6 +39,7 @@ impl<'m> Typical<'m> {
     /// Looks at the sources of a frame. `cells` and `spare` are as long as the plane; where that is
     /// too short there is no typical source. Cost: 154 thousand samples.
     pub fn of<L: Level>(
+        whole: Option<&dyn Whole>,
         field: Field<'_, L>,
         noise: L,
         regions: &[Region<L>],
@@ -42,7 +48,10 @@ impl<'m> Typical<'m> {
         let bright = noise.scaled(L::Weight::of(BRIGHT));
         let mut count = 0;
         let stands = |region: &Region<L>| region.area > 0 && region.plateau <= 0.0 && region.value > bright;
-        for (id, _) in (0..).zip(regions).filter(|(_, region)| stands(region)) {
+        let part = whole.map(Whole::part);
+        let is_own =
+            |region: &Region<L>| part.as_ref().is_none_or(|part| part.owns(field.grid.place(region.peak as usize)));
+        for (id, _) in (0..).zip(regions).filter(|(_, region)| stands(region) && is_own(region)) {
             if let Some(place) = cells.get_mut(count) {
                 *place = id;
                 count += 1;
@@ -57,18 +66,37 @@ impl<'m> Typical<'m> {
         let count = count.min(MOST);
         chosen.iter_mut().zip(ids.iter()).for_each(|(chosen, id)| *chosen = *id);
         let chosen = chosen.get(..count).unwrap_or(&[]);
+        let light = |id: u32, at: usize| {
+            let off = |cell: usize| L::whole(cell) - L::whole(RADIUS);
+            let region = region(id)?;
+            let light = field.between((region.centre.0 + off(at % SIDE), region.centre.1 + off(at / SIDE)))?;
+            Some(light.to_f32() / region.value.to_f32())
+        };
+        let mut count = count;
+        let mut records = None;
+        if let (Some(whole), Some(part)) = (whole, &part) {
+            let mut own = chosen.iter().flat_map(|&id| {
+                let (value, peak) = region(id).map_or((L::ZERO, 0), |region| (region.value, region.peak as usize));
+                let (x, y) = part.place(field.grid.place(peak));
+                let head = [!value.key(), (y * part.image.0 + x) as u32];
+                head.into_iter().chain((0..SIDE * SIDE).map(move |at| light(id, at).unwrap_or(f32::NAN).to_bits()))
+            });
+            let words = whole.words(Question::Typical, &mut own).unwrap_or(&[]);
+            count = words.len() / RECORD;
+            records = Some(words);
+        }
         let Some(cells) = cells.get_mut(..SIDE * SIDE).filter(|_| count >= LEAST) else {
             return Typical { cells: &[] };
         };
         for (at, cell) in cells.iter_mut().enumerate() {
-            let off = |cell: usize| L::whole(cell) - L::whole(RADIUS);
-            let (x, y) = (off(at % SIDE), off(at / SIDE));
-            let light = |id: &u32| {
-                let region = region(*id)?;
-                let light = field.between((region.centre.0 + x, region.centre.1 + y))?;
-                Some(light.to_f32() / region.value.to_f32())
+            let told = |record: &[u32]| record.get(RECORD_HEAD + at).map(|&bits| f32::from_bits(bits));
+            let value = match records {
+                None => quartile(chosen.iter().filter_map(|&id| light(id, at))),
+                Some(records) => {
+                    quartile(records.chunks_exact(RECORD).filter_map(told).filter(|light| !light.is_nan()))
+                }
             };
-            *cell = quartile(chosen.iter().filter_map(light)).to_bits();
+            *cell = value.to_bits();
         }
         Typical { cells }
     }
@@ -133,7 +161,7 @@ mod tests {
         let (plane, regions) = sources::<L>(count);
         let field = Field { values: &plane, grid: Grid::of(plane.len(), WIDTH).expect("there are columns") };
         let [mut cells, mut spare] = [(); 2].map(|()| vec![0; plane.len()]);
-        let typical = Typical::of(field, L::ONE, &regions, (&mut cells, &mut spare));
+        let typical = Typical::of(None, field, L::ONE, &regions, (&mut cells, &mut spare));
         let centre = (L::of(100.0), L::of(100.0));
         let places = [(103.0, 100.0), (97.0, 100.0), (100.0, 105.0)];
         places.map(|(x, y)| typical.light(L::of(1000.0), centre, (L::of(x), L::of(y))).to_f32())
@@ -157,11 +185,11 @@ mod tests {
         let (plane, regions) = sources::<f32>(LEAST);
         let field = Field { values: &plane, grid: Grid::of(plane.len(), WIDTH).expect("there are columns") };
         let (mut cells, mut spare) = (vec![0; plane.len()], vec![0; plane.len()]);
-        let typical = Typical::of(field, 1.0, &regions, (&mut cells, &mut spare));
+        let typical = Typical::of(None, field, 1.0, &regions, (&mut cells, &mut spare));
         let right = |off: f32| typical.light(1000.0, (100.0, 100.0), (100.0 + off, 100.0));
         assert!(right(0.0) > 1000.0 && right(2.6) > 0.0 && right(3.4) > 0.0);
         assert_eq!([right(2.4), right(3.6), right(24.6), right(-24.6)], [0.0; 4]);
-        let typical = Typical::of(field, 1.0, &regions, (&mut cells[..SIDE * SIDE - 1], &mut spare));
+        let typical = Typical::of(None, field, 1.0, &regions, (&mut cells[..SIDE * SIDE - 1], &mut spare));
         assert_eq!(typical.light(1000.0, (100.0, 100.0), (103.0, 100.0)), 0.0);
     }
 }

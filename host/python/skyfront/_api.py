@@ -15,14 +15,14 @@ _MEASURING = ("mask", "weight", "weight_type", "background", "noise", "wcs", "ga
               "apertures", "neighbours", "columns", "threads")  # fmt: skip
 
 
-def _run(function, image, keywords, known, stages=False, labels=None):
+def _run(function, image, keywords, known, stages=False, labels=None, part=None, answers=()):
     """A run of the engine: the image as it was taken, and what was found."""
     own = {name: keywords.pop(name, _DEFAULTS[name]) for name in known}
     start = None
     if labels is None and not isinstance(keywords.get("start"), (str, type(None))):
         start = keywords.pop("start")
     settings = texts(function, keywords)
-    image = Image(image, mask=own["mask"], wcs=own["wcs"])
+    image = Image(image, mask=own["mask"], wcs=own["wcs"], origin=(0, 0) if part is None else part["origin"])
     job = image.job()
     job.update(
         background=image.map("background", own["background"]),
@@ -40,6 +40,8 @@ def _run(function, image, keywords, known, stages=False, labels=None):
         columns=[own["columns"]] if isinstance(own["columns"], str) else list(own["columns"]),
         threads=own["threads"],
         stages=stages,
+        part=part,
+        answers=list(answers),
     )
     return image, _engine.segment(job)
 

@@ -32,7 +32,7 @@ def _class(module, name):
 class Image:
     """An image with what came with it."""
 
-    def __init__(self, image, *, mask=None, wcs=None):
+    def __init__(self, image, *, mask=None, wcs=None, origin=(0, 0)):
         self.unit = self.noise = None
         self.masks = []
         self.cards = []
@@ -41,6 +41,7 @@ class Image:
         if wcs is not None:
             self.cards = [card for card in self.cards if not _is_celestial(card)] + cards(wcs)
         self.wcs = wcs if wcs is not None else getattr(image, "wcs", None)
+        self.cards = [_moved(card, origin) for card in self.cards]
         if mask is not None:
             self.masks.append(mask)
 
@@ -170,6 +171,15 @@ def cards(header):
         warnings.simplefilter("ignore")
         images = [card.image for card in header.cards if card.keyword not in STRUCTURE]
     return [image[start : start + 80] for image in images for start in range(0, len(image), 80)]
+
+
+def _moved(card, origin):
+    """A card with the reference pixel of a part of the image that begins at this column and row."""
+    for axis, by in zip("12", origin):
+        if by and card.startswith(f"CRPIX{axis}") and "=" in card:
+            value = float(card.split("=", 1)[1].split("/")[0]) - by
+            return f"{card[:8]}= {value!r:>20}"
+    return card
 
 
 def _is_celestial(card):

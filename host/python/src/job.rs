@@ -8,9 +8,11 @@ use skyfront::catalogue::{Choice, Request};
 use skyfront::choices::{ArithmeticOption, Preset};
 use skyfront::input::{Input, LabelMap, StartMap, WeightType};
 use skyfront::measure::{Extras, Neighbours};
+use skyfront::mosaic::Answers;
 use skyfront::read::{Card, Header, Image};
 use skyfront::settings;
-use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter, Value};
+use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter, Scheme, Value};
+use skyfront_core::plane::part::Part;
 
 /// An array, and whether its bytes are in the other order than this machine's.
 pub type Array<'py> = (Bound<'py, PyAny>, bool);
@@ -43,6 +45,23 @@ pub struct Job<'py> {
     /// None for all processors.
     threads: Option<usize>,
     stages: bool,
+    /// Of a mosaic: where the pixels lie in it, and what all its parts know together.
+    part: Option<Place>,
+    answers: Vec<(String, Vec<u8>)>,
+}
+
+/// Where the pixels of a part lie: columns before rows.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Place {
+    /// Columns and rows of the mosaic.
+    image: (usize, usize),
+    /// Column and row of the first pixel in the mosaic.
+    origin: (usize, usize),
+    /// The part's own columns, counted in the part.
+    columns: (usize, usize),
+    /// Its own rows.
+    rows: (usize, usize),
 }
 
 /// A run that can be made without the interpreter.
@@ -57,6 +76,8 @@ pub struct Task {
     pub request: Request,
     /// Whether the planes of the steps are wanted.
     pub stages: bool,
+    /// Where the image lies in a mosaic, and the answers of all its parts.
+    pub part: Option<(Part, Answers)>,
 }
 
 impl Job<'_> {
@@ -84,9 +105,24 @@ impl Job<'_> {
             input.removed = before - defined(&input.detected.image);
             input.start = start.map(|map| self.start(&map, size)).transpose()?;
             input.segmentation = labels.map(|map| label_map(&map, size)).transpose()?;
-            Ok(Task { config, arithmetic, input, request: self.request()?, stages: self.stages })
+            let part = self.part(&config, arithmetic)?;
+            Ok(Task { config, arithmetic, input, request: self.request()?, stages: self.stages, part })
         };
         Ok(whole())
+    }
+
+    fn part(&self, config: &Config, arithmetic: ArithmeticOption) -> Result<Option<(Part, Answers)>, Failure> {
+        let Some(place) = &self.part else { return Ok(None) };
+        if !config.sky.is_known() || config.scheme != Scheme::Region {
+            return Err(Failure::Option("preset", "a front has no parts: mosaics need the default's steps".to_owned()));
+        }
+        if arithmetic != ArithmeticOption::F32 {
+            return Err(Failure::Option("arithmetic", "mosaics are segmented in f32".to_owned()));
+        }
+        let mut answers = Answers::default();
+        self.answers.iter().for_each(|(name, bytes)| answers.take(name, bytes));
+        let (columns, rows) = (place.columns.0..place.columns.1, place.rows.0..place.rows.1);
+        Ok(Some((Part { image: place.image, origin: place.origin, columns, rows }, answers)))
     }
 
     /// The preset with the settings.

@@ -23,7 +23,7 @@ mod _engine {
     #[pymodule_export]
     use super::more::{outlines, picture, score, simulate};
     #[pymodule_export]
-    use super::run::{Unmeasured, segment};
+    use super::run::{Unmeasured, answer, segment};
     #[pymodule_export]
     use super::table::{choices, columns, elsewhere, flags, parameters};
     use pyo3::prelude::*;

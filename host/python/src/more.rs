@@ -28,14 +28,12 @@ pub fn score(
     watched(py, move |_| Ok(measures::score(&truth, &map, &image.values).json().to_string()))
 }
 
+/// An image and the labels of its objects.
+type Sky<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>);
+
 /// A simulated sky and its truth.
 #[pyfunction]
-pub fn simulate<'py>(
-    py: Python<'py>,
-    kind: &str,
-    seed: u32,
-    shape: (usize, usize),
-) -> PyResult<(Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>)> {
+pub fn simulate<'py>(py: Python<'py>, kind: &str, seed: u32, shape: (usize, usize)) -> PyResult<Sky<'py>> {
     let (height, width) = shape;
     let kind = match kind {
         "bright" => Kind::Bright,

@@ -6,16 +6,20 @@ use crate::job::{Array, Job, Task};
 use crate::watch::{Wanted, watched};
 use numpy::{IntoPyArray, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyBytes, PyDict, PyList};
 use skyfront::background::SkyMaps;
 use skyfront::catalogue::{Catalogue, Request, Value};
 use skyfront::given;
 use skyfront::input::Input;
+use skyfront::measure::Measured;
+use skyfront::mosaic::{self, Asking};
 use skyfront::outputs::limits;
 use skyfront::pipeline::{Drive, Segmentation, StagePlanes};
 use skyfront::planes::can_be_had;
 use skyfront::summary::{label_digest, summary};
 use skyfront_core::config::Connectivity;
+use skyfront_core::error::Error;
+use skyfront_core::plane::part::{Part, Whole};
 use skyfront_core::run::outcome::Progress;
 use std::mem::take;
 use std::sync::Arc;
@@ -38,6 +42,8 @@ struct Done {
     run: Segmentation,
     input: Input,
     request: Request,
+    /// Where it lies in a mosaic.
+    part: Option<Part>,
     summary: String,
     warnings: Vec<String>,
     connectivity: Connectivity,
@@ -51,25 +57,48 @@ struct Kept {
     run: Segmentation,
     input: Input,
     request: Request,
+    part: Option<Part>,
     digest: u32,
 }
 
-/// Segments an image, or measures the sources of a label map.
+/// What comes of a run.
+enum Outcome {
+    Done(Box<Done>),
+    /// A part of a mosaic has asked: by the name of the question, what it contributes.
+    Asked(Vec<(String, Vec<u8>)>),
+}
+
+/// Segments an image, or measures the sources of a label map, or segments a part of a mosaic as far as the answers go.
 #[pyfunction]
 pub fn segment<'py>(py: Python<'py>, job: Job<'py>) -> PyResult<Bound<'py, PyDict>> {
     let task = job.task()?.map_err(|failure| failure.exception(py))?;
-    let done = watched(py, move |wanted| task.run(wanted))?;
-    done.into_dict(py)
+    match watched(py, move |wanted| task.run(wanted))? {
+        Outcome::Done(done) => done.into_dict(py),
+        Outcome::Asked(asked) => {
+            let dict = PyDict::new(py);
+            let bytes = |own: &Vec<u8>| PyBytes::new(py, own);
+            dict.set_item("asked", asked.iter().map(|(name, own)| (name, bytes(own))).collect::<Vec<_>>())?;
+            Ok(dict)
+        }
+    }
+}
+
+/// The answer to a question of the parts of a mosaic, of what all of them contribute.
+#[pyfunction]
+pub fn answer<'py>(py: Python<'py>, name: &str, contributions: Vec<Vec<u8>>) -> Bound<'py, PyBytes> {
+    PyBytes::new(py, &mosaic::answer(name, &contributions))
 }
 
 impl Task {
-    fn run(self, wanted: &Wanted) -> Result<Done, Failure> {
-        let Task { config, arithmetic, input, request, stages } = self;
+    fn run(self, wanted: &Wanted) -> Result<Outcome, Failure> {
+        let Task { config, arithmetic, input, request, stages, part } = self;
+        let asking = part.as_ref().map(|(part, answers)| Asking::new(part.clone(), answers));
         let mut watch = |_: &Progress| wanted.or_end();
         let mut drive = Drive {
             background: input.detected.background.as_deref(),
             noise: input.detected.noise.as_deref(),
             relative: input.detected.relative,
+            whole: asking.as_ref().map(|asking| asking as &dyn Whole),
             start: input.start.as_ref(),
             keep_stages: stages,
             threads: request.extras.threads,
@@ -77,17 +106,67 @@ impl Task {
             ..Drive::default()
         };
         let run = match input.is_given() {
-            true => given::segment(&input, arithmetic.name(), stages),
-            false => arithmetic.segment(&config, &input.detected.image, &mut drive)?,
+            true => Ok(given::segment(&input, arithmetic.name(), stages)),
+            false => arithmetic.segment(&config, &input.detected.image, &mut drive),
         };
+        let run = match (run, asking) {
+            (Err(Error::Waiting), Some(asking)) => return Ok(Outcome::Asked(asking.contributions())),
+            (run, _) => run?,
+        };
+        let part = part.map(|(part, _)| part);
         wanted.or_end();
         let parts: Vec<_> =
             run.seconds.iter().map(|(stage, time)| (format!("{stage:?}").to_lowercase(), *time)).collect();
         let summary = summary(&config, &input, &run, &parts);
         let warnings = run.remarks.iter().cloned().chain(limits(&run.outcome)).collect();
         let connectivity = config.connectivity;
-        Ok(Done { run, input, request, summary: summary.to_string(), warnings, connectivity })
+        let summary = summary.to_string();
+        Ok(Outcome::Done(Box::new(Done { run, input, request, part, summary, warnings, connectivity })))
     }
+}
+
+/// Of every label of a part: the index of its first pixel in the mosaic, and whether it may go on beyond the part.
+struct Seen {
+    firsts: Vec<i64>,
+    clipped: Vec<bool>,
+}
+
+impl Seen {
+    fn of(run: &Segmentation, part: &Part) -> Seen {
+        let (width, height) = (run.width, run.height);
+        let mut seen = Seen { firsts: vec![-1; run.sources.len() + 1], clipped: vec![false; run.sources.len() + 1] };
+        for (at, &label) in run.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+            let (x, y) = (at % width, at / width);
+            let (column, row) = part.place((x, y));
+            let first = &mut seen.firsts[label as usize];
+            if *first < 0 {
+                *first = (row * part.image.0 + column) as i64;
+            }
+            let ends = [(x, column, part.image.0, width), (y, row, part.image.1, height)];
+            seen.clipped[label as usize] |= ends
+                .iter()
+                .any(|&(at, place, image, length)| (at == 0 && place > 0) || (at + 1 == length && place + 1 < image));
+        }
+        seen
+    }
+}
+
+/// Pixels within which the background beside a source is looked for, from its bounding box.
+const BESIDE: f64 = 24.0;
+/// Kron's first moment is taken within so many times the ellipse of the second moments.
+const MOMENTS: f64 = 6.0;
+
+/// Whether something that is measured around a source lies beyond a part where the mosaic goes on.
+fn is_beyond(row: &Measured, aperture: f64, part: &Part, (width, height): (usize, usize)) -> bool {
+    let kron = if row.kron_radius.is_finite() { row.kron_radius } else { 0.0 };
+    let reach = (MOMENTS * row.shape.wide_axes().0).max(kron).max(aperture) + 1.0;
+    let beyond = |centre: f64, (first, last): (u32, u32), origin: usize, length: usize, image: usize| {
+        let (low, high) =
+            ((centre - reach).min(f64::from(first) - BESIDE), (centre + reach).max(f64::from(last) + BESIDE));
+        (low < 0.0 && origin > 0) || (high > length as f64 - 1.0 && origin + length < image)
+    };
+    beyond(row.shape.x, row.source.columns, part.origin.0, width, part.image.0)
+        || beyond(row.shape.y, row.source.rows, part.origin.1, height, part.image.1)
 }
 
 /// A column with the numbers that every format of the command line tells.
@@ -106,10 +185,15 @@ fn column(catalogue: &Catalogue, column: &skyfront::catalogue::Column) -> Column
 impl Done {
     /// All of it by name; planes take no copy.
     fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let Done { mut run, mut input, request, summary, warnings, connectivity } = self;
+        let Done { mut run, mut input, request, part, summary, warnings, connectivity } = self;
         let width = run.width;
         let dict = PyDict::new(py);
         let digest = label_digest(&run.labels);
+        if let Some(part) = &part {
+            let seen = Seen::of(&run, part);
+            dict.set_item("firsts", seen.firsts.into_pyarray(py))?;
+            dict.set_item("clipped", seen.clipped.into_pyarray(py))?;
+        }
         dict.set_item("labels", rows(py, take(&mut run.labels), width)?)?;
         dict.set_item("front", rows(py, take(&mut run.front), width)?)?;
         // What was given, or else what was measured.
@@ -129,7 +213,7 @@ impl Done {
         dict.set_item("summary", summary)?;
         dict.set_item("warnings", warnings)?;
         dict.set_item("connectivity", connectivity.neighbours())?;
-        dict.set_item("sources", Unmeasured(Arc::new(Kept { run, input, request, digest })))?;
+        dict.set_item("sources", Unmeasured(Arc::new(Kept { run, input, request, part, digest })))?;
         Ok(dict)
     }
 }
@@ -154,10 +238,10 @@ impl Unmeasured {
 }
 
 /// Columns, how they were measured, and what must be known about them.
-type Measured = (Vec<Column>, String, Vec<String>);
+type Told = (Vec<Column>, String, Vec<String>);
 
 impl Kept {
-    fn measure(&self, labels: Vec<u32>, level: Option<Plane>, noise: Option<Plane>) -> Result<Measured, Failure> {
+    fn measure(&self, labels: Vec<u32>, level: Option<Plane>, noise: Option<Plane>) -> Result<Told, Failure> {
         if label_digest(&labels) != self.digest {
             let reason = "they were changed before the catalogue was asked for; measure(image, labels) takes any map";
             return Err(Failure::Option("labels", reason.to_owned()));
@@ -170,8 +254,21 @@ impl Kept {
         }
         let sky = level.zip(noise).map(|(level, noise)| SkyMaps { level: level.values, noise: noise.values });
         let run = Segmentation { labels, sky, ..run.clone() };
-        let catalogue = Catalogue::of(&self.input, &run, &self.request);
-        let columns = catalogue.columns.iter().map(|column| self::column(&catalogue, column)).collect();
+        let mut catalogue = Catalogue::of(&self.input, &run, &self.request);
+        let beyond = self.part.as_ref().map(|part| {
+            let radii = self.request.extras.apertures.iter().copied();
+            let reach = radii.fold(0.0, f64::max);
+            catalogue.rows.iter().map(|row| i64::from(is_beyond(row, reach, part, (run.width, run.height)))).collect()
+        });
+        let origin = self.part.as_ref().map_or((0, 0), |part| part.origin);
+        catalogue.rows.iter_mut().for_each(|row| row.shift(origin));
+        let mut columns: Vec<_> = catalogue.columns.iter().map(|column| self::column(&catalogue, column)).collect();
+        columns.extend(beyond.map(|beyond| Column {
+            name: "beyond_halo".to_owned(),
+            unit: String::new(),
+            description: "1 where the source, or an aperture around it, ends beyond the halo of its chunk".to_owned(),
+            cells: Cells::Integers(beyond),
+        }));
         Ok((columns, catalogue.settings().to_string(), catalogue.warnings().collect()))
     }
 }

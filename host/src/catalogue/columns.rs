@@ -1,6 +1,5 @@
 //! The registry of columns: headers, documentation and `skyfront columns` come from here.
 
-use super::choice::is_magnitude;
 use super::names::known;
 use crate::measure::{Flux, Measured};
 use crate::sky::Frame;
@@ -318,6 +317,11 @@ fn significant(value: f64, digits: usize) -> String {
     }
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 || (1e-5..1e15).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
+/// Whether a column is a magnitude.
+pub(super) fn is_magnitude(name: &str) -> bool {
+    name.starts_with("mag") || name == "mu_max"
 }
 
 #[cfg(test)]

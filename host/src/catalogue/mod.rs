@@ -13,6 +13,7 @@ pub use columns::{Column, Setting, Value, columns};
 use crate::background::SkyMaps;
 use crate::input::{At, Input, Positions};
 use crate::measure::{Extras, Level, Measured, Scene, measure, measure_at, run_flags};
+use crate::picture::Zoom;
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
 use crate::read::header::unit;
@@ -68,6 +69,8 @@ pub struct Request {
     pub sky: bool,
     /// Whether the front's arrival times are wanted.
     pub arrival: bool,
+    /// The scale of the overlay; by its size where none is given.
+    pub overlay: Option<Zoom>,
     /// Whether the map of labels is enough, without the maps of the sources' means and of the front.
     pub map_only: bool,
 }
@@ -83,27 +86,9 @@ impl Default for Request {
             polygons: false,
             sky: false,
             arrival: false,
+            overlay: None,
             map_only: false,
         }
-    }
-}
-
-impl Request {
-    /// The files that will be written.
-    pub fn files(&self) -> Vec<&'static str> {
-        let regions: &[&str] = if self.regions { &crate::outline::REGIONS } else { &[] };
-        let polygons: &[&str] = if self.polygons { &[crate::outline::POLYGONS] } else { &[] };
-        let sky: &[&str] = if self.sky { &crate::outputs::SKY } else { &[] };
-        let arrival: &[&str] = if self.arrival { &[crate::outputs::ARRIVAL] } else { &[] };
-        let values: &[&str] = if self.map_only { &[] } else { &crate::outputs::VALUES };
-        self.formats
-            .iter()
-            .map(|format| format.file())
-            .chain(values.iter().copied())
-            .chain(regions.iter().copied())
-            .chain(polygons.iter().copied())
-            .chain(sky.iter().chain(arrival).copied())
-            .collect()
     }
 }
 
@@ -189,6 +174,13 @@ impl Catalogue {
             Entry::Copy(_) => None,
         });
         serde_json::Value::Object(pairs.collect())
+    }
+
+    /// How many sources have each flag, by the flags' names; those that none has are left out.
+    pub fn flag_counts(&self) -> serde_json::Value {
+        let count = |bit: u32| self.rows.iter().filter(|row| row.flags & bit != 0).count();
+        let counts = flags::FLAGS.iter().map(|flag| (flag.name.to_owned(), count(flag.bit)));
+        counts.filter(|(_, count)| *count > 0).map(|(name, count)| (name, serde_json::Value::from(count))).collect()
     }
 
     /// Writes one format; `provenance` goes into headers that can hold it.

@@ -1,12 +1,13 @@
 //! The memory of runs: known when the header of an image is read, asked for before its pixels are, and shared by the
 //! images that are worked on at a time.
 
-use super::job::Manner;
 use crate::extraction;
 use crate::pipeline::{Segmentation, room_for_sources};
 use crate::planes::can_be_had;
+use crate::read::{self, HduChoice, Image, ReadError};
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::run::memory::bytes;
+use std::path::Path;
 use std::sync::{Condvar, Mutex, PoisonError};
 
 /// The most pixels of an image: labels and places are told apart by 30 bits.
@@ -19,17 +20,12 @@ const MEGA: u64 = 1_000_000;
 pub type Size = (u64, u64);
 
 /// The bytes that an image takes at most from its first pixel to its last product, beside those of its sources, with
-/// so many maps of its size.
+/// so many maps of its size, and with `pictures`.
 ///
 /// # Errors
 /// One line for an image with too many pixels.
-pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size) -> Result<u64, String> {
-    if width.checked_mul(height).is_none_or(|pixels| pixels > MOST_PIXELS) {
-        return Err(format!(
-            "{width} x {height} pixels are more than {MOST_PIXELS}, the most that can be labelled; cut the image into \
-             pieces"
-        ));
-    }
+pub fn need(config: &Config, pictures: bool, maps: usize, (width, height): Size) -> Result<u64, String> {
+    countable(width, height)?;
     let (w, h) = (width as usize, height as usize);
     let plane = w * h * size_of::<f32>();
     // Planes beside those of the run: the image, and what its sky takes while sources are measured.
@@ -42,19 +38,35 @@ pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size
         bytes_of_run += bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h));
         (others, of_pictures) = (4, 5);
     }
-    let planes = others + maps + if manner.pictures { of_pictures } else { 0 };
+    let planes = others + maps + if pictures { of_pictures } else { 0 };
     Ok((bytes_of_run + planes * plane) as u64 + BESIDE)
 }
 
-/// The bytes that the sources of a run take at most while they are measured and written: each a row of the catalogue,
-/// and one at a time the pixels around it.
+/// The bytes that the sources of a run take at most while they are measured and written: each a row of the catalogue.
 pub fn need_of_sources(run: &Segmentation) -> u64 {
     const ROW: u64 = 2000;
-    const PIXEL: u64 = 64;
-    let side = |(first, last): (u32, u32)| u64::from(last.saturating_sub(first)) + 1;
-    let largest = run.sources.iter().map(|source| side(source.columns) * side(source.rows)).max().unwrap_or(0);
-    let around = (4 * largest).min((run.width * run.height) as u64);
-    run.sources.len() as u64 * ROW + around * PIXEL
+    run.sources.len() as u64 * ROW
+}
+
+/// Reads an image for a command that takes at most so many bytes per pixel of it, if they can be had.
+///
+/// # Errors
+/// The file, and one line that names need and limit or what is wrong with it.
+pub fn image_within(per_pixel: u64, path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
+    read::image_if(path, hdu, &mut |width, height| {
+        let pixels = countable(width, height)?;
+        Memory::new(None).take(pixels.saturating_mul(per_pixel) + BESIDE, (width, height)).map(drop)
+    })
+}
+
+/// The number of pixels, if they can be labelled.
+fn countable(width: u64, height: u64) -> Result<u64, String> {
+    width.checked_mul(height).filter(|&pixels| pixels <= MOST_PIXELS).ok_or_else(|| {
+        format!(
+            "{width} x {height} pixels are more than {MOST_PIXELS}, the most that can be labelled; cut the image into \
+             pieces"
+        )
+    })
 }
 
 /// A number of bytes that must not be exceeded.

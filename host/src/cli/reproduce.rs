@@ -1,11 +1,12 @@
 //! `skyfront reproduce`: the paper's figures again, with its times beside ours.
 
+use super::memory::image_within;
 use super::say::{Stderr, Stdout};
 use super::simulated;
 use crate::picture::contact_sheet;
 use crate::pipeline::{Drive, Segmentation, segment};
 use crate::provenance::shortest;
-use crate::read::{self, Image};
+use crate::read::Image;
 use crate::reproduce::{Caption, captions};
 use crate::write::Products;
 use anyhow::{Context, Result};
@@ -19,6 +20,9 @@ const SHEET: &str = "reproduce.png";
 /// The size of the paper's images, and the seeds of the two that stand in for them.
 const SIDE: usize = 300;
 const SEEDS: [(Kind, u32); 2] = [(Kind::Bright, 160), (Kind::Noisy, 160)];
+
+/// Bytes per pixel that the runs of all captions over an image take at most: the sheet shows them side by side.
+const BYTES: u64 = 900;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -61,7 +65,8 @@ fn images(arguments: &Arguments) -> Result<Vec<(String, Option<u8>, Image)>> {
         });
         return Ok(skies.collect());
     }
-    let read = |path: &PathBuf| Ok((path.display().to_string(), None, read::image(path, None)?));
+    let bytes = BYTES * arguments.images.len() as u64;
+    let read = |path: &PathBuf| Ok((path.display().to_string(), None, image_within(bytes, path, None)?));
     arguments.images.iter().map(read).collect()
 }
 

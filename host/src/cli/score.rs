@@ -1,11 +1,16 @@
 //! `skyfront score`: how well a label map agrees with the truth.
 
+use super::memory::image_within;
 use super::say::Stdout;
-use crate::read::{self, HduChoice, Image};
+use crate::input::LabelMap;
+use crate::read::{self, HduChoice, Image, ReadError};
 use crate::score::score;
-use anyhow::{Result, ensure};
+use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::{Path, PathBuf};
+
+/// Bytes per pixel that a score takes at most, where every pixel is an object of its own.
+const BYTES: u64 = 240;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -21,31 +26,30 @@ pub struct Arguments {
     ext: Option<HduChoice>,
 }
 
-/// Prints the measures as JSON.
+/// Prints the measures as one line of JSON.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let truth = read::image(&arguments.truth, arguments.ext.as_ref())?;
-    let map = read::image(&arguments.map, None)?;
-    let image = read::image(&arguments.image, None)?;
-    same_size(&truth, &map, &arguments.map)?;
-    same_size(&truth, &image, &arguments.image)?;
-    let result = score(&labels(&truth), &labels(&map), &image.pixels);
-    writeln!(Stdout, "{:#}", result.json())?;
+    let truth = image_within(BYTES, &arguments.truth, arguments.ext.as_ref())?;
+    let map = of_same_size(&truth, &arguments.map)?;
+    let image = of_same_size(&truth, &arguments.image)?;
+    let result = score(&labels(&truth, &arguments.truth)?, &labels(&map, &arguments.map)?, &image.pixels);
+    writeln!(Stdout, "{}", result.json())?;
     Ok(())
 }
 
-fn same_size(truth: &Image, other: &Image, path: &Path) -> Result<()> {
-    let (width, height) = (truth.width, truth.height);
-    ensure!(
-        (other.width, other.height) == (width, height),
-        "{} has {} x {} pixels, the truth {width} x {height}",
-        path.display(),
-        other.width,
-        other.height
-    );
-    Ok(())
+/// Reads an image, if it has the size of the truth.
+fn of_same_size(truth: &Image, path: &Path) -> Result<Image, ReadError> {
+    let (truth_width, truth_height) = (truth.width as u64, truth.height as u64);
+    read::image_if(path, None, &mut |width, height| match (width, height) == (truth_width, truth_height) {
+        true => Ok(()),
+        false => Err(format!("has {width} x {height} pixels, the truth {truth_width} x {truth_height}")),
+    })
 }
 
-/// Labels are whole numbers, exact in `f32` up to 2^24.
-fn labels(map: &Image) -> Vec<i64> {
-    map.pixels.iter().map(|&label| label as i64).collect()
+/// The labels of a map; an image that is none would be scored without sense.
+fn labels(map: &Image, path: &Path) -> Result<Vec<i64>> {
+    let labels = LabelMap::of(&map.pixels).map_err(|odd| {
+        let (x, y) = (odd % map.width + 1, odd / map.width + 1);
+        anyhow!("{} is no label map: pixel ({x}, {y}) is {}", path.display(), map.pixels[odd])
+    })?;
+    Ok(labels.labels.iter().map(|&label| i64::from(label)).collect())
 }

@@ -1,7 +1,8 @@
 //! How far two runs over the same image are apart.
 
 use crate::pipeline::{Segmentation, StagePlanes};
-use crate::reference::{Stages, centroids};
+use crate::reference::noise_aware::Found;
+use crate::reference::{Plane, Stages, centroids};
 use std::collections::BTreeMap;
 
 /// PlaneDifference of two planes.
@@ -35,6 +36,16 @@ pub struct Comparison {
     pub centroid_shift: f64,
 }
 
+/// What a whole run of the reference came to.
+struct Whole<'a> {
+    labels: &'a [u32],
+    sources: u32,
+    /// What pixels weigh nothing from on down.
+    floor: f64,
+    steps: u32,
+    t: f64,
+}
+
 /// Compares a run of the core that kept its stages with one of the reference over the same `pixels`.
 ///
 /// `unit` is the number of units of the core's front plane in 1 of the paper's u.
@@ -48,19 +59,38 @@ pub fn compare(pixels: &[f32], core: &Segmentation, reference: &Stages, unit: f6
         ("g", &planes.edge, &reference.g, 1.0),
         ("u", &core.front, &reference.u, unit),
     ];
-    let stages = stages.into_iter().filter(|(_, plane, ..)| !plane.is_empty());
-    let labels = core.labels.iter().zip(&reference.labels);
-    let partners = partners(core, reference);
+    let Stages { labels, sources, steps, t, .. } = reference;
+    let whole = Whole { labels, sources: *sources, floor: reference.range.0, steps: *steps, t: *t };
+    compare_runs(pixels, core, &whole, &stages)
+}
+
+/// The same of a run on signal-to-noise.
+pub fn compare_signal(pixels: &[f32], core: &Segmentation, reference: &Found, unit: f64) -> Comparison {
+    let Found { labels, sources, front, .. } = reference;
+    let floor = core.outcome.extremes.least.into();
+    let whole = Whole { labels, sources: *sources, floor, steps: front.steps, t: front.t };
+    compare_runs(pixels, core, &whole, &[("u", &core.front, &front.u, unit)])
+}
+
+/// A stage: its plane in the core and in the reference, and the units of the one in 1 of the other.
+type Stage<'a> = (&'static str, &'a Vec<f32>, &'a Plane, f64);
+
+fn compare_runs(pixels: &[f32], core: &Segmentation, whole: &Whole<'_>, stages: &[Stage<'_>]) -> Comparison {
+    let labels = core.labels.iter().zip(whole.labels);
+    let partners = partners(core, whole.labels);
+    // The front of a run on signal-to-noise is one step of the core, of as many as it was told.
+    let steps = if core.outcome.steps > 0 { core.outcome.steps } else { whole.steps };
+    let stages = stages.iter().filter(|(_, plane, ..)| !plane.is_empty());
     Comparison {
         stages: stages
-            .map(|(stage, core, reference, unit)| difference(stage, core, reference.values(), unit))
+            .map(|&(stage, core, reference, unit)| difference(stage, core, reference.values(), unit))
             .collect(),
-        steps: (core.outcome.steps, reference.steps),
-        t: (f64::from(core.outcome.steps) * reference.t / f64::from(reference.steps), reference.t),
-        sources: (core.outcome.sources, reference.sources),
+        steps: (steps, whole.steps),
+        t: (f64::from(steps) * whole.t / f64::from(whole.steps.max(1)), whole.t),
+        sources: (core.outcome.sources, whole.sources),
         mask_pixels: labels.clone().filter(|&(&a, &b)| (a == 0) != (b == 0)).count(),
         label_pixels: labels.filter(|&(&a, &b)| partners.get(a as usize).copied().flatten().unwrap_or(0) != b).count(),
-        centroid_shift: centroid_shift(pixels, core, reference, &partners),
+        centroid_shift: centroid_shift(pixels, core, whole, &partners),
     }
 }
 
@@ -75,9 +105,9 @@ fn difference(stage: &'static str, core: &[f32], reference: &[f64], unit: f64) -
 }
 
 /// For each label of the core (from 0), the source of the reference that shares most pixels with it.
-fn partners(core: &Segmentation, reference: &Stages) -> Vec<Option<u32>> {
+fn partners(core: &Segmentation, labels: &[u32]) -> Vec<Option<u32>> {
     let mut shared = vec![BTreeMap::<u32, usize>::new(); core.outcome.sources as usize + 1];
-    for (&label, &other) in core.labels.iter().zip(&reference.labels).filter(|(a, b)| **a != 0 && **b != 0) {
+    for (&label, &other) in core.labels.iter().zip(labels).filter(|(a, b)| **a != 0 && **b != 0) {
         *shared[label as usize].entry(other).or_default() += 1;
     }
     let most =
@@ -85,9 +115,9 @@ fn partners(core: &Segmentation, reference: &Stages) -> Vec<Option<u32>> {
     shared.iter().map(most).collect()
 }
 
-fn centroid_shift(pixels: &[f32], core: &Segmentation, reference: &Stages, partners: &[Option<u32>]) -> f64 {
+fn centroid_shift(pixels: &[f32], core: &Segmentation, reference: &Whole<'_>, partners: &[Option<u32>]) -> f64 {
     let pixels: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
-    let truth = centroids(&reference.labels, reference.sources, &pixels, core.width, reference.range.0);
+    let truth = centroids(reference.labels, reference.sources, &pixels, core.width, reference.floor);
     let shifts = core.sources.iter().map(|source| {
         let (x, y) = source.centroid();
         partners[source.label as usize].map_or(f64::INFINITY, |label| {

@@ -5,22 +5,27 @@
 //! The whole runs are compared beside that: there a pixel near u = 0 goes where roundings lead it.
 
 mod compare;
+mod notes;
 mod report;
 mod rounding;
 mod settings;
+mod signal;
 mod walk;
 
-pub use compare::{Comparison, PlaneDifference, compare};
+pub use compare::{Comparison, PlaneDifference, compare, compare_signal};
+pub use notes::Difference;
 pub use report::{json, table};
 pub use settings::{parameters, settings};
-pub use walk::{Difference, walk};
+pub use signal::{centroids, walk_signal, whole_run};
+pub use walk::walk;
 
 use crate::arithmetics::{self, Task, adapted};
+use crate::extraction;
 use crate::pipeline::{Drive, segment_in};
 use crate::reference::{ReferenceError, Stages, run};
 use rounding::bit;
-use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::config::{Config, Edge, Start};
+use skyfront_core::arithmetic::{Arithmetic, Fixed14, Level};
+use skyfront_core::config::{Config, Edge, Scheme, Start};
 use skyfront_core::error::Error;
 use skyfront_core::front::profile::Profile;
 use thiserror::Error as ThisError;
@@ -138,15 +143,8 @@ impl From<Error> for CheckError {
 
 /// Why the reference has nothing to say about a configuration, if it has not.
 pub fn unheard_of(config: &Config) -> Option<&'static str> {
-    match config {
-        config if config.sky.is_known() => {
-            Some("the reference has no word on signal-to-noise: name a preset with --sky none, as --preset paper-f160")
-        }
-        Config { start: Start::Given, .. } => {
-            Some("the reference has no word on a front that starts from a map: leave --start out")
-        }
-        _ => None,
-    }
+    let given = config.start == Start::Given;
+    given.then_some("the reference has no word on a front that starts from a map: leave --start out")
 }
 
 /// Runs one configuration in every arithmetic that serves it, and in the reference. `tolerances` may replace those of
@@ -182,25 +180,57 @@ impl<F: Fn(Tolerances) -> Tolerances> Task for CheckTask<'_, F> {
     type Output = Result<Option<Check>, CheckError>;
 
     fn run<A: Arithmetic>(&mut self) -> Self::Output {
+        let check = match (self.config.sky.is_known(), A::NAME) {
+            (false, _) => self.on_pixels::<A>(),
+            (true, <f32 as Level>::NAME) => self.on_signal::<A, f32>(),
+            (true, <Fixed14 as Level>::NAME) => self.on_signal::<A, Fixed14>(),
+            (true, _) => return Ok(None),
+        };
+        match check {
+            Err(CheckError::Core(Error::Arithmetic { .. })) => Ok(None),
+            check => check.map(Some),
+        }
+    }
+}
+
+impl<F: Fn(Tolerances) -> Tolerances> CheckTask<'_, F> {
+    /// The paper's steps.
+    fn on_pixels<A: Arithmetic>(&mut self) -> Result<Check, CheckError> {
         let (width, height) = self.size;
         let config = adapted::<A>(self.config);
         let mut drive = Drive { keep_stages: true, ..Drive::default() };
-        let core = match segment_in::<A>(&config, self.pixels, width, height, &mut drive) {
-            Err(Error::Arithmetic { .. }) => return Ok(None),
-            core => core?,
+        let core = segment_in::<A>(&config, self.pixels, width, height, &mut drive)?;
+        let stages = match self.reference.take() {
+            Some((same, stages)) if same == config => stages,
+            _ => {
+                let wide: Vec<f64> = self.pixels.iter().map(|&v| v.into()).collect();
+                run(&parameters(&config), &wide, width, height)?
+            }
         };
-        if self.reference.as_ref().is_none_or(|(same, _)| *same != config) {
-            let wide: Vec<f64> = self.pixels.iter().map(|&v| v.into()).collect();
-            self.reference = Some((config, run(&parameters(&config), &wide, width, height)?));
-        }
         let steps = walk::<A>(&config, &parameters(&config), self.pixels, self.size, &mut |_, _| {})?;
         let unit = f64::from(Profile::new(&config, width, height).unit);
-        let reference = self.reference.as_ref().map(|(_, stages)| stages);
-        Ok(reference.map(|stages| Check {
-            arithmetic: A::NAME,
-            steps,
-            comparison: compare(self.pixels, &core, stages, unit),
-            tolerances: (self.tolerances)(Tolerances::of(A::NAME, &config)),
-        }))
+        let comparison = compare(self.pixels, &core, &stages, unit);
+        self.reference = Some((config, stages));
+        Ok(self.check::<A>(&config, steps, comparison))
+    }
+
+    /// A run on signal-to-noise.
+    fn on_signal<A: Arithmetic, L: Level>(&mut self) -> Result<Check, CheckError> {
+        let (width, height) = self.size;
+        let config = adapted::<A>(self.config);
+        let core = extraction::segment::<A, L>(&config, self.pixels, width, &mut Drive::default())?;
+        let mut steps = walk_signal::<A, L>(&config, &settings(&config), self.pixels, self.size)?;
+        steps.push(centroids(self.pixels, &core));
+        let unit = match config.scheme {
+            Scheme::Region => 1.0,
+            _ => Profile::new(&config, width, height).unit.into(),
+        };
+        let comparison = compare_signal(self.pixels, &core, &whole_run(&config, self.pixels, width)?, unit);
+        Ok(self.check::<A>(&config, steps, comparison))
+    }
+
+    fn check<A: Arithmetic>(&self, config: &Config, steps: Vec<Difference>, comparison: Comparison) -> Check {
+        let tolerances = (self.tolerances)(Tolerances::of(A::NAME, config));
+        Check { arithmetic: A::NAME, steps, comparison, tolerances }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::provenance::shortest as decimal;
 use crate::reference as r;
-use crate::reference::noise_aware::Settings;
+use crate::reference::noise_aware::{Settings, Smoothing};
 use skyfront_core::config as c;
 
 /// The same run for the reference. An `f32` of the configuration stands for the decimal number that a person would
@@ -12,6 +12,9 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
         normalize: match config.normalize {
             c::Normalize::MinMax => r::Normalize::MinMax,
             c::Normalize::Percentile { low, high } => r::Normalize::Percentile(decimal(low), decimal(high)),
+            c::Normalize::Noise { below, above } if config.sky.is_known() => {
+                r::Normalize::Signal(decimal(below), decimal(above))
+            }
             c::Normalize::Noise { below, above } => r::Normalize::Noise(decimal(below), decimal(above)),
         },
         rescale: rescale(config.rescale),
@@ -33,7 +36,7 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Edge::G2Mod { c2 } => r::Edge::G2Mod { c2: decimal(c2) },
         },
         scheme: match config.scheme {
-            // That of regions needs signal-to-noise, of which the reference has no word.
+            // That of regions is none of these: it has [`settings`].
             c::Scheme::Fd | c::Scheme::Region => r::Scheme::Fd,
             c::Scheme::FastMarching => r::Scheme::FastMarching,
             c::Scheme::Sl => r::Scheme::Sl,
@@ -71,23 +74,32 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
     }
 }
 
-/// The same for the default.
+/// What the reference is asked of a run on signal-to-noise.
 pub fn settings(config: &c::Config) -> Settings {
+    let c::Config { outline, deblending, significance, .. } = config;
     Settings {
-        threshold: decimal(config.outline.threshold),
-        steps: config.outline.steps,
-        curvature: decimal(config.outline.curvature),
-        peak: decimal(config.significance.peak),
-        false_sources: decimal(config.significance.false_sources),
-        false_share: decimal(config.significance.false_share),
-        branch: decimal(config.deblending.branch),
-        contrast: decimal(config.deblending.contrast),
-        light: decimal(config.significance.light),
-        min_area: config.min_area as usize,
-        excess: decimal(config.deblending.excess),
-        reopened_area: config.deblending.reopened_area as usize,
-        sharpening: decimal(config.deblending.sharpening),
+        cell: config.sky.cell(),
+        smoothing: match config.filter {
+            c::Filter::Gauss => Smoothing::Fine,
+            c::Filter::Adaptive => Smoothing::ByNeed,
+            _ => Smoothing::None,
+        },
+        threshold: decimal(outline.threshold),
+        steps: outline.steps,
+        curvature: decimal(outline.curvature),
+        by_tree: config.separate == c::Separate::Tree,
+        branch: decimal(deblending.branch),
+        contrast: decimal(deblending.contrast),
+        excess: decimal(deblending.excess),
+        reopened_area: deblending.reopened_area as usize,
+        sharpening: decimal(deblending.sharpening),
         connectivity: connectivity(config.connectivity),
+        by_significance: config.select == c::Select::Significance,
+        min_area: config.min_area as usize,
+        peak: decimal(significance.peak),
+        false_sources: decimal(significance.false_sources),
+        false_share: decimal(significance.false_share),
+        light: decimal(significance.light),
     }
 }
 
@@ -112,6 +124,7 @@ fn filter(config: &c::Config) -> r::Filter {
     match config.filter {
         c::Filter::None | c::Filter::Gauss | c::Filter::Adaptive => r::Filter::None,
         c::Filter::Heat => r::Filter::Heat { steps, dt },
+        c::Filter::Median => r::Filter::Median { steps },
         c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
             f: match diffusivity {
                 c::Diffusivity::F1 => r::Diffusivity::F1,

@@ -1,6 +1,7 @@
 //! The core taken step by step, each beside the reference's step from the very same input.
 
 use super::CheckError;
+use super::notes::{Difference, Notes};
 use super::rounding::{Rounding, bit};
 use crate::pipeline::MOST_SOURCES;
 use crate::planes::Room;
@@ -12,17 +13,6 @@ use skyfront_core::run::outcome::{Outcome, Progress};
 use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::run::stage::Stage;
 use skyfront_core::sources::catalog::Source;
-
-/// How far a step of the core is from the reference's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Difference {
-    /// Name of the step.
-    pub step: &'static str,
-    /// Largest difference of a number.
-    pub max: f64,
-    /// The farthest that a number lies outside what the roundings inside the step explain.
-    pub beyond: f64,
-}
 
 /// Runs the core and looks at each of its steps beside the reference's with `parameters`: those of the configuration,
 /// or others to see whether it is noticed. After every pass `meddle` may do something to the run.
@@ -47,8 +37,11 @@ pub fn walk<A: Arithmetic>(
         if let Progress::Done(outcome) = progress {
             let tau = A::Real::of(outcome.tau).to_f32();
             walk.image_steps(&outcome, f64::from(tau))?;
-            walk.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
-            return Ok(walk.found);
+            // On signal-to-noise sources are another's concern.
+            if !config.sky.is_known() {
+                walk.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
+            }
+            return Ok(walk.notes.found);
         }
     }
 }
@@ -74,7 +67,7 @@ struct Walk {
     /// The front, in the paper's u.
     front: Plane,
     steps: u32,
-    found: Vec<Difference>,
+    notes: Notes,
 }
 
 impl Walk {
@@ -94,7 +87,7 @@ impl Walk {
             u0: None,
             front: empty,
             steps: 0,
-            found: Vec::new(),
+            notes: Notes::default(),
             p,
         }
     }
@@ -123,7 +116,7 @@ impl Walk {
             Stage::Filter => {
                 let (next, old) = (image(), &self.image);
                 let reference = r::filter_step(self.p.filter, self.p.dx, old);
-                self.note("filtered", &next, &reference, &reference);
+                self.notes.plane("filtered", &next, &reference, &reference);
                 self.filtered = Some(next.clone());
                 self.image = next;
             }
@@ -147,33 +140,6 @@ impl Walk {
         }
     }
 
-    /// Notes how far `core` lies from the middle of two planes of the reference, and outside of them.
-    fn note(&mut self, step: &'static str, core: &Plane, low: &Plane, high: &Plane) {
-        let bounds = low.values().iter().zip(high.values());
-        for (&core, (&one, &other)) in core.values().iter().zip(bounds) {
-            self.note_number(step, core, one.min(other), one.max(other));
-        }
-    }
-
-    fn note_number(&mut self, step: &'static str, core: f64, low: f64, high: f64) {
-        let max = (core - 0.5 * (low + high)).abs();
-        let beyond = (low - core).max(core - high).max(0.0);
-        // A number that is none is infinitely far off.
-        if core.is_nan() { self.add(step, f64::INFINITY, f64::INFINITY) } else { self.add(step, max, beyond) }
-    }
-
-    fn add(&mut self, step: &'static str, max: f64, beyond: f64) {
-        match self.found.iter_mut().find(|found| found.step == step) {
-            Some(found) => (found.max, found.beyond) = (found.max.max(max), found.beyond.max(beyond)),
-            None => self.found.push(Difference { step, max, beyond }),
-        }
-    }
-
-    /// A step that only one of the two took.
-    fn note_missing(&mut self, step: &'static str) {
-        self.note_number(step, f64::NAN, 0.0, 0.0);
-    }
-
     /// Steps 1 to 4 and the front before it moves.
     fn image_steps(&mut self, outcome: &Outcome, tau: f64) -> Result<(), CheckError> {
         self.normalisation(outcome)?;
@@ -187,7 +153,7 @@ impl Walk {
         self.threshold(outcome, &into_rescaling);
         self.rescaling(&into_rescaling, tau);
         if self.filtered.is_some() != (self.p.filter.steps() > 0) {
-            self.note_missing("filtered");
+            self.notes.missing("filtered");
         }
         if self.p.scheme != Scheme::ChanVese {
             self.detector(outcome, &last);
@@ -201,14 +167,14 @@ impl Walk {
         let range = (f64::from(outcome.range.low), f64::from(outcome.range.high));
         let (rounded, span) = (bit(21) * (low.abs() + high.abs()), high - low);
         for (core, level) in [(range.0, low), (range.1, high)] {
-            self.note_number("levels", core / span, (level - rounded) / span, (level + rounded) / span);
+            self.notes.number("levels", core / span, (level - rounded) / span, (level + rounded) / span);
         }
         match self.normalised.clone() {
             Some(core) => {
                 let reference = r::normalize(range, &self.pixels, core.width(), core.height());
-                self.note("normalised", &core, &reference, &reference);
+                self.notes.plane("normalised", &core, &reference, &reference);
             }
-            None => self.note_missing("normalised"),
+            None => self.notes.missing("normalised"),
         }
         Ok(())
     }
@@ -219,19 +185,19 @@ impl Walk {
         let rule = r::threshold(self.p.rescale, self.p.tau, image, &defined);
         let level = || self.p.start_margin.map(|_| r::otsu(self.image.values().iter().copied()));
         if let Some(tau) = rule.or_else(level) {
-            self.note_number("tau", outcome.tau.into(), tau, tau);
+            self.notes.number("tau", outcome.tau.into(), tau, tau);
         }
     }
 
     fn rescaling(&mut self, image: &Plane, tau: f64) {
         if self.rescaled.is_some() != (self.p.rescale != Rescale::None) {
-            self.note_missing("rescaled");
+            self.notes.missing("rescaled");
         }
         let Some(core) = self.rescaled.clone() else { return };
         let off = self.rounding.value;
         let moved = |by: f64| r::rescale(self.p.rescale, Some(tau), &image.map(|x| (x + by).clamp(0.0, 1.0)));
         let (low, high) = (moved(-off), moved(off));
-        self.note("rescaled", &core, &low, &high);
+        self.notes.plane("rescaled", &core, &low, &high);
     }
 
     fn detector(&mut self, outcome: &Outcome, image: &Plane) {
@@ -241,20 +207,20 @@ impl Walk {
         let rounding = self.rounding;
         let off = |z: f64| rounding.of_gradient(z / per_dx) * per_dx;
         for (core, z) in [(outcome.gradient.0, m), (outcome.gradient.1, big_m)] {
-            self.note_number("gradient", core.into(), z - off(z), z + off(z));
+            self.notes.number("gradient", core.into(), z - off(z), z + off(z));
         }
-        let Some(core) = self.g.clone() else { return self.note_missing("g") };
+        let Some(core) = self.g.clone() else { return self.notes.missing("g") };
         let moved = |by: f64| {
             let slope = slope.map(|z| (z + by * off(z)).max(0.0));
             let (m, big_m) = ((m - by * off(m)).max(0.0), big_m - by * off(big_m));
             r::detector(self.p.edge, &slope, m, big_m).map(|g| g.clamp(0.0, 1.0))
         };
         let (low, high) = (moved(1.0), moved(-1.0));
-        self.note("g", &core, &low, &high);
+        self.notes.plane("g", &core, &low, &high);
     }
 
     fn start(&mut self, image: &Plane, level: f64) {
-        let Some(core) = self.u0.clone() else { return self.note_missing("u0") };
+        let Some(core) = self.u0.clone() else { return self.notes.missing("u0") };
         let (reference, roundings) = match self.p.start_margin {
             None => (r::framed(&self.p, image.width(), image.height()), 1.0),
             // A distance is a sum of as many steps.
@@ -262,7 +228,7 @@ impl Walk {
         };
         let (off, limit) = (self.rounding.start * roundings / self.unit, self.limit / self.unit);
         let reference = reference.map(|u| u.clamp(-limit, limit));
-        self.note("u0", &core, &reference.map(|u| u - off), &reference.map(|u| u + off));
+        self.notes.plane("u0", &core, &reference.map(|u| u - off), &reference.map(|u| u + off));
     }
 
     /// What the front moves over: the edge detector, or for regions the image.
@@ -290,7 +256,7 @@ impl Walk {
         }
         let pairs = next.values().iter().zip(reference.values());
         let max = pairs.fold(0.0f64, |most, (v, w)| most.max((v * self.unit - w).abs()));
-        self.add("u", max, beyond);
+        self.notes.add("u", max, beyond);
     }
 
     /// How far a step may be off at each node by what is rounded inside it.
@@ -354,13 +320,13 @@ impl Walk {
     fn stop_rule(&mut self, next: &Plane, over: bool, progress: &Progress) {
         let (least, most) = (self.change(next, false), self.change(next, true));
         if let Progress::Working { last_change, .. } = progress {
-            self.note_number("change", f64::from(*last_change), least.0, most.0);
+            self.notes.number("change", f64::from(*last_change), least.0, most.0);
         }
         let may_rest = r::at_rest(&self.p, least.0, least.1);
         let must_rest = r::at_rest(&self.p, most.0, most.1);
         let last = self.steps >= self.p.max_steps();
         let sound = if over { last || may_rest } else { !last && !must_rest };
-        self.note_number("stop", f64::from(u8::from(!sound)), 0.0, 0.0);
+        self.notes.number("stop", f64::from(u8::from(!sound)), 0.0, 0.0);
     }
 
     /// `critarr` and whether a node near the front changed sign, as roundings make them least and most: of each change,
@@ -380,7 +346,7 @@ impl Walk {
 
     /// Each time of arrival beside the one that follows from the times around it.
     fn arrivals(&mut self) {
-        let Some(g) = self.g.clone() else { return self.note_missing("arrival") };
+        let Some(g) = self.g.clone() else { return self.notes.missing("arrival") };
         let (Some(u0), farthest) = (self.u0.clone(), self.p.t_max / self.p.dx) else { return };
         // Fixed point ends at -128: the time of what lies there is known to be earlier.
         let lost = |u: f64| u <= -127.9 && farthest > 127.0;
@@ -398,7 +364,7 @@ impl Walk {
                 let (time, soonest) = (times.at(i, j), r::soonest(&g, &times, i, j));
                 let rounded = bit(20) * farthest;
                 let late = if time.is_finite() { (time - soonest).abs() } else { (farthest - soonest).max(0.0) };
-                self.note_number("arrival", late, 0.0, LATE + rounded);
+                self.notes.number("arrival", late, 0.0, LATE + rounded);
             }
         }
     }
@@ -411,14 +377,14 @@ impl Walk {
         let width = self.image.width();
         let (wanted, sources) = r::sources(&self.p, &mask, width);
         let differ = labels.iter().zip(&wanted).filter(|(one, other)| one != other).count();
-        self.note_number("labels", differ as f64, 0.0, 0.0);
-        self.note_number("labels", f64::from(outcome.sources), sources.into(), sources.into());
+        self.notes.number("labels", differ as f64, 0.0, 0.0);
+        self.notes.number("labels", f64::from(outcome.sources), sources.into(), sources.into());
         let pixels = mask.iter().filter(|&&inside| inside).count() as f64;
-        self.note_number("labels", outcome.mask_pixels.into(), pixels, pixels);
+        self.notes.number("labels", outcome.mask_pixels.into(), pixels, pixels);
         let truth = r::centroids(&wanted, sources, &self.pixels, width, f64::from(outcome.range.low));
         for (source, (x, y)) in catalogue.iter().zip(truth) {
             let (cx, cy) = source.centroid();
-            self.note_number("centroids", (f64::from(cx) - x).hypot(f64::from(cy) - y), 0.0, 0.0);
+            self.notes.number("centroids", (f64::from(cx) - x).hypot(f64::from(cy) - y), 0.0, 0.0);
         }
     }
 }

@@ -4,9 +4,20 @@ use super::overlap::circle_polygon;
 use super::scene::{Light, Spot};
 use super::{Flux, Scene};
 use skyfront_core::sources::flags;
+use std::ops::Range;
 
 /// No point of a pixel is farther from its centre.
 pub(super) const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// The area of the largest aperture of a source: so many times its own pixels, and so many pixels more.
+/// Kron's ellipses around even discs have 9 times their pixels, those around faint stars a few times
+/// more; those around thin rings and arcs, which do not tell how their light lies, have no bound else.
+const LARGEST: (f64, f64) = (64.0, 1024.0);
+
+/// The area of the largest aperture of a source of so many pixels.
+pub(super) fn largest(pixels: u32) -> f64 {
+    LARGEST.0 * f64::from(pixels) + LARGEST.1
+}
 
 /// The length of a vector; its parts are pixels, far from any overflow.
 pub(super) fn length(x: f64, y: f64) -> f64 {
@@ -133,6 +144,26 @@ impl Aperture {
             }
         });
         flags | if complete { 0 } else { flags::APERTURE }
+    }
+
+    /// Calls `each` with the place, from the centre, and the share of the light of every pixel at such
+    /// a distance from it.
+    pub(super) fn lights_between(
+        &self,
+        scene: &Scene<'_>,
+        label: u32,
+        distances: Range<f64>,
+        each: &mut dyn FnMut(f64, f64, f64),
+    ) {
+        self.visit(scene.width, scene.height, |spot| {
+            if !distances.contains(&length(spot.dx, spot.dy)) {
+                return;
+            }
+            let share = self.share(spot.dx, spot.dy);
+            if let (true, Ok(light)) = (share > 0.0, scene.light(spot, label)) {
+                each(spot.dx, spot.dy, share * light.value);
+            }
+        });
     }
 
     /// Flux above the background within the aperture, and the flags it earns; NaN where no pixel of

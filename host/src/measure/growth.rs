@@ -3,27 +3,30 @@
 
 use super::Aperture;
 use super::aperture::{CORNER, length};
+use std::ops::Range;
 
 /// The relative accuracy of a radius.
 const ACCURACY: f64 = 1e-10;
 /// Steps towards a radius; a handful is enough.
 const STEPS: usize = 60;
 
-/// Pixels around a centre by their distance, and the light up to each. One is filled again for
-/// every source.
+/// The half-widths, in pixels, of the rings of pixels in which a radius is looked for in turn.
+const WIDTHS: [usize; 3] = [2, 8, 64];
+
+/// The light around a centre by whole pixels of distance, and single pixels where a radius is looked
+/// for: memory grows with the radius, not with its square. One is filled again for every source.
 #[derive(Debug, Default)]
 pub struct Growth {
-    arrived: Vec<Pixel>,
-    /// The same by whole pixels of distance.
-    pixels: Vec<Pixel>,
-    /// Where the pixels of each whole distance begin, and behind the last.
-    starts: Vec<usize>,
-    /// The light before each of them.
+    /// The light of the pixels at less than each whole distance.
     before: Vec<f64>,
+    /// The pixels of a ring.
+    ring: Vec<Pixel>,
+    /// The light of those nearer than all of the ring.
+    inside: f64,
 }
 
 /// A pixel, relative to the centre.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Pixel {
     distance: f64,
     dx: f64,
@@ -32,72 +35,88 @@ struct Pixel {
 }
 
 impl Growth {
-    /// Forgets all pixels.
+    /// Forgets all light.
     pub fn clear(&mut self) {
-        self.arrived.clear();
+        self.before.clear();
+        self.before.push(0.0);
     }
 
     /// Takes in the light of a pixel.
     pub fn add(&mut self, dx: f64, dy: f64, value: f64) {
-        self.arrived.push(Pixel { distance: length(dx, dy), dx, dy, value });
+        let behind = length(dx, dy) as usize + 1;
+        if behind >= self.before.len() {
+            self.before.resize(behind + 1, 0.0);
+        }
+        self.before[behind] += value;
     }
 
-    /// Puts the pixels in order. Cost: two passes.
+    /// Sums up what was taken in.
     pub fn settle(&mut self) {
-        let ring = |pixel: &Pixel| pixel.distance as usize;
-        let rings = self.arrived.iter().map(ring).max().map_or(0, |last| last + 1);
-        self.starts.clear();
-        self.starts.resize(rings + 1, 0);
-        self.before.clear();
-        self.before.resize(rings + 1, 0.0);
-        for pixel in &self.arrived {
-            self.starts[ring(pixel) + 1] += 1;
-            self.before[ring(pixel) + 1] += pixel.value;
-        }
-        for ring in 0..rings {
-            self.starts[ring + 1] += self.starts[ring];
-            self.before[ring + 1] += self.before[ring];
-        }
-        self.pixels.clear();
-        self.pixels.resize(self.arrived.len(), Pixel::default());
-        let mut next = self.starts.clone();
-        for pixel in &self.arrived {
-            let place = &mut next[ring(pixel)];
-            self.pixels[*place] = *pixel;
-            *place += 1;
+        let mut sum = 0.0;
+        for light in &mut self.before {
+            sum += *light;
+            *light = sum;
         }
     }
 
-    /// Light within a circle, by the exact area of the pixels it cuts.
-    pub fn within(&self, radius: f64) -> f64 {
+    /// The radius of the first circle with so much light, above 0, by the exact area of the pixels it
+    /// cuts; NaN where none has. `between` tells the pixels of a range of distances again: column and
+    /// row from the centre, and light.
+    pub fn radius_of(&mut self, light: f64, mut between: impl FnMut(Range<f64>, &mut dyn FnMut(f64, f64, f64))) -> f64 {
+        let Some(at) = self.before.iter().position(|&sum| sum >= light) else { return f64::NAN };
+        for width in WIDTHS {
+            let nearest = at.saturating_sub(width + 1);
+            let Growth { before, ring, inside } = self;
+            *inside = before[nearest];
+            ring.clear();
+            between(nearest as f64..(at + width + 1) as f64, &mut |dx, dy, value| {
+                ring.push(Pixel { distance: length(dx, dy), dx, dy, value });
+            });
+            let radius = self.crossing(light, at.saturating_sub(width) as f64, at as f64, (at + width) as f64);
+            if let Some(radius) = radius {
+                return radius;
+            }
+        }
+        f64::NAN
+    }
+
+    /// Light within a circle that ends in the ring.
+    fn within(&self, radius: f64) -> f64 {
         if radius <= 0.0 {
             return 0.0;
         }
         let circle = Aperture::circle(0.0, 0.0, radius);
-        let rings = self.starts.len() - 1;
-        let whole = ((radius - CORNER).max(0.0) as usize).min(rings);
-        let end = ((radius + CORNER) as usize + 1).min(rings);
-        let cut = self.pixels[self.starts[whole]..self.starts[end]].iter();
-        self.before[whole] + cut.map(|pixel| pixel.value * circle.share(pixel.dx, pixel.dy)).sum::<f64>()
+        let share = |pixel: &Pixel| {
+            if pixel.distance <= radius - CORNER {
+                pixel.value
+            } else if pixel.distance < radius + CORNER {
+                pixel.value * circle.share(pixel.dx, pixel.dy)
+            } else {
+                0.0
+            }
+        };
+        self.inside + self.ring.iter().map(share).sum::<f64>()
     }
 
-    /// The radius of the first circle with so much light, above 0; NaN where none has.
-    pub fn radius_of(&self, light: f64) -> f64 {
-        let Some(ring) = self.before.iter().position(|&sum| sum >= light) else { return f64::NAN };
+    /// The radius near `start` from which on a circle has so much light; none where it is not between
+    /// `least` and `most`.
+    fn crossing(&self, light: f64, least: f64, start: f64, most: f64) -> Option<f64> {
         let missing = |radius: f64| self.within(radius) - light;
-        let last = self.before.len() as f64 + 1.0;
-        let mut high = ring as f64;
+        let mut high = start;
         while missing(high) < 0.0 {
-            if high > last {
-                return f64::NAN;
-            }
             high += 1.0;
+            if high > most {
+                return None;
+            }
         }
         let mut low = (high - 1.0).max(0.0);
         while low > 0.0 && missing(low) >= 0.0 {
             (low, high) = ((low - 1.0).max(0.0), low);
+            if low < least {
+                return None;
+            }
         }
-        crossing(missing, low, high)
+        Some(crossing(missing, low, high))
     }
 }
 

@@ -24,14 +24,14 @@ impl Local {
         let range = |(first, last): (u32, u32), n: usize| {
             (first as usize).saturating_sub(WIDTH)..(last as usize + WIDTH + 1).min(n)
         };
-        let inside = |(first, last): (u32, u32), at: usize| (first as usize..=last as usize).contains(&at);
+        let (columns, last) = (range(source.columns, scene.width), source.columns.1 as usize);
         let mut values = Vec::new();
         for y in range(source.rows, scene.height) {
-            for x in range(source.columns, scene.width) {
-                if !(inside(source.rows, y) && inside(source.columns, x)) {
-                    values.extend(scene.sky_pixel(y * scene.width + x));
-                }
-            }
+            let within = (source.rows.0 as usize..=source.rows.1 as usize).contains(&y);
+            // Beside the bounding box, or above and below it.
+            let (left, right) = if within { (source.columns.0 as usize, last + 1) } else { (columns.end, columns.end) };
+            let pixels = (columns.start..left).chain(right..columns.end);
+            values.extend(pixels.filter_map(|x| scene.sky_pixel(y * scene.width + x)));
         }
         if values.is_empty() {
             return Local::NONE;

@@ -22,10 +22,11 @@ pub use window::Windowed;
 
 use crate::sky::{Patch, Sky};
 use crate::workers::in_order;
-use aperture::Sum;
+use aperture::{Sum, largest};
 use growth::Growth;
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::sources::flags;
+use std::f64::consts::PI;
 
 /// Sources that a thread takes at a time.
 const PIECE: usize = 32;
@@ -147,6 +148,20 @@ pub struct Measured {
     pub flags: u32,
 }
 
+impl Measured {
+    /// Moves all places by so many columns and rows: those of a part of an image become those of the image.
+    pub fn shift(&mut self, (columns, rows): (usize, usize)) {
+        let (x, y) = (columns as f64, rows as f64);
+        let by =
+            |(first, last): (u32, u32), (columns, rows): (usize, usize)| (first + columns as u32, last + rows as u32);
+        self.source.columns = by(self.source.columns, (columns, columns));
+        self.source.rows = by(self.source.rows, (rows, rows));
+        self.values.peak_at = by(self.values.peak_at, (columns, rows));
+        (self.shape.x, self.shape.y) = (self.shape.x + x, self.shape.y + y);
+        (self.windowed.x, self.windowed.y) = (self.windowed.x + x, self.windowed.y + y);
+    }
+}
+
 /// Measures all sources; labels are those of `scene`, 1 for the first source. Cost: one pass over
 /// the image, and the pixels of every aperture.
 pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
@@ -192,7 +207,7 @@ impl Task<'_> {
         let label = source.label;
         let (background, noise, threshold) = sums.levels();
         let wanted = extras.wanted;
-        let kron = if wanted.kron || wanted.windowed { self.kron(&shape, label, growth) } else { Kron::NONE };
+        let kron = if wanted.kron || wanted.windowed { self.kron(&shape, source, growth) } else { Kron::NONE };
         let mut flags = sums.flags() | extras.flags | kron.flags;
         let mut flux_in = |radius: f64| {
             let (flux, found) = Aperture::circle(shape.x, shape.y, radius).flux(scene, label);
@@ -201,7 +216,7 @@ impl Task<'_> {
         };
         let apertures = extras.apertures.iter().map(|&radius| flux_in(radius)).collect();
         let windowed = if wanted.windowed {
-            Windowed::of(scene, label, (shape.x, shape.y), kron.half_light)
+            Windowed::of(scene, source, (shape.x, shape.y), kron.half_light)
         } else {
             Windowed::NONE
         };
@@ -231,18 +246,20 @@ impl Task<'_> {
     }
 
     /// The Kron aperture, and the circle with half of its light.
-    fn kron(&self, shape: &Shape, label: u32, growth: &mut Growth) -> Kron {
-        let ellipse = kron_aperture(self.scene, shape, label);
+    fn kron(&self, shape: &Shape, source: &Source, growth: &mut Growth) -> Kron {
+        let (scene, label) = (self.scene, source.label);
+        let (ellipse, whole) = kron_aperture(scene, shape, source);
         let mut sum = Sum::default();
         growth.clear();
-        let flags = ellipse.lights(self.scene, label, |spot, light, share| {
+        let found = ellipse.lights(scene, label, |spot, light, share| {
             sum.add(light, share);
             growth.add(spot.dx, spot.dy, share * light.value);
         });
-        let flux = sum.flux(self.scene);
+        let flags = found | if whole { 0 } else { flags::APERTURE };
+        let flux = sum.flux(scene);
         let half_light = if flux.value > 0.0 {
             growth.settle();
-            growth.radius_of(0.5 * flux.value)
+            growth.radius_of(0.5 * flux.value, |distances, each| ellipse.lights_between(scene, label, distances, each))
         } else {
             f64::NAN
         };
@@ -254,12 +271,16 @@ impl Kron {
     const NONE: Kron = Kron { radius: f64::NAN, flux: Flux::NONE, half_light: f64::NAN, flags: 0 };
 }
 
-/// The ellipse of the second moments, enlarged to hold nearly all light.
-fn kron_aperture(scene: &Scene<'_>, shape: &Shape, label: u32) -> Aperture {
+/// The ellipse of the second moments, enlarged to hold nearly all light, and whether it is as large as
+/// it should be: none is larger than [`largest`].
+fn kron_aperture(scene: &Scene<'_>, shape: &Shape, source: &Source) -> (Aperture, bool) {
     let (a, b) = shape.wide_axes();
     let times = |factor: f64| Aperture::ellipse((shape.x, shape.y), (factor * a, factor * b), shape.theta);
-    let moment = times(KRON_REACH).first_moment(scene, label).unwrap_or(0.0) * KRON_REACH;
-    times((KRON.0 * moment).max(KRON.1))
+    let most = (largest(source.area) / (PI * a * b)).sqrt();
+    let reach = KRON_REACH.min(most);
+    let moment = times(reach).first_moment(scene, source.label).unwrap_or(0.0) * reach;
+    let wanted = (KRON.0 * moment).max(KRON.1);
+    (times(wanted.min(most)), wanted <= most && reach == KRON_REACH)
 }
 
 /// The flags that a whole run earns.

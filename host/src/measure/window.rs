@@ -1,7 +1,10 @@
 //! Centroids under a Gaussian window, as SExtractor's `XWIN_IMAGE`: nearly as precise as a fit of the
 //! profile, and little moved by a neighbour or by where the outline happens to lie.
 
+use super::aperture::largest;
 use super::{Aperture, Scene};
+use skyfront_core::sources::catalog::Source;
+use std::f64::consts::PI;
 
 /// From a half-light radius to the window's standard deviation, as SExtractor has it.
 const SIGMA: f64 = 2.0 / 2.35;
@@ -30,17 +33,19 @@ impl Windowed {
     /// No centroid.
     pub const NONE: Windowed = Windowed { x: f64::NAN, y: f64::NAN, errors: (f64::NAN, f64::NAN, f64::NAN) };
 
-    /// The windowed centroid of source `label` with a half-light radius, from a first centroid on;
-    /// none where the steps leave the window around it or end in darkness.
-    pub fn of(scene: &Scene<'_>, label: u32, (x, y): (f64, f64), half_light: f64) -> Windowed {
+    /// The windowed centroid of a source with a half-light radius, from a first centroid on; none
+    /// where the steps leave the window around it or end in darkness. No window has more pixels than
+    /// an aperture of the source may have.
+    pub fn of(scene: &Scene<'_>, source: &Source, (x, y): (f64, f64), half_light: f64) -> Windowed {
         if !half_light.is_finite() {
             return Windowed::NONE;
         }
-        let sigma = (SIGMA * half_light).max(NARROWEST);
+        let widest = (largest(source.area) / PI).sqrt() / REACH;
+        let sigma = (SIGMA * half_light).clamp(NARROWEST, widest);
         let reach = REACH * sigma;
         let mut found = Windowed { x, y, ..Windowed::NONE };
         for _ in 0..STEPS {
-            let sums = Sums::of(scene, label, &Aperture::circle(found.x, found.y, reach), sigma);
+            let sums = Sums::of(scene, source.label, &Aperture::circle(found.x, found.y, reach), sigma);
             let (dx, dy) = (FACTOR * sums.x / sums.light, FACTOR * sums.y / sums.light);
             let far = (found.x + dx - x).abs() > reach || (found.y + dy - y).abs() > reach;
             if sums.light <= 0.0 || far || !(dx.is_finite() && dy.is_finite()) {

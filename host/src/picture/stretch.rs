@@ -38,6 +38,21 @@ impl Stretch {
         Stretch { black, scale, top: 1e-3f64.asinh() }
     }
 
+    /// The value that becomes black.
+    pub fn black(&self) -> f64 {
+        self.black
+    }
+
+    /// How far above black values begin to be pressed together.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// The value that becomes white.
+    pub fn white(&self) -> f64 {
+        self.black + self.scale * self.top.sinh()
+    }
+
     /// The shade of a pixel, 0 to 255; undefined pixels are black.
     pub fn shade(&self, pixel: f32) -> u8 {
         let value = ((f64::from(pixel) - self.black) / self.scale).asinh() / self.top;

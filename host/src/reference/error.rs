@@ -18,6 +18,9 @@ pub enum ReferenceError {
     /// No pixel is finite, or the two levels of the normalisation coincide.
     #[error("the image has no two different levels to normalise between")]
     Constant,
+    /// No pixel tells the sky or its noise.
+    #[error("no pixel tells the sky or its noise")]
+    NoSky,
     /// A parameter is out of its bounds.
     #[error("{name} = {value} is out of bounds: {bound}")]
     Parameter {

@@ -13,7 +13,18 @@ pub fn filter_step(filter: Filter, dx: f64, image: &Plane) -> Plane {
         Filter::None => image.clone(),
         Filter::Heat { dt, .. } => heat(image, dt, dx),
         Filter::PeronaMalik { f, mu, dt, .. } => perona_malik(image, f, mu, dt, dx),
+        Filter::Median { .. } => median(image),
     }
+}
+
+/// The median of each pixel and its eight neighbours.
+fn median(old: &Plane) -> Plane {
+    Plane::from_fn(old.width(), old.height(), |i, j| {
+        let old = old.around(i, j);
+        let mut nine = [old.nw, old.n, old.ne, old.w, old.c, old.e, old.sw, old.s, old.se];
+        nine.sort_by(f64::total_cmp);
+        nine[4]
+    })
 }
 
 /// One step of `schemacal`.

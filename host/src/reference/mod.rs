@@ -50,7 +50,7 @@ pub use parameters::{
 };
 pub use plane::{Around, Plane};
 pub use rescale::{r1, r2, r3, rescale, threshold};
-pub use segments::{centroids, label, sources};
+pub use segments::{centroids, is_beyond_reach, label, sources};
 pub use settle::settle;
 pub use threshold::{kapur, noise, rosin};
 

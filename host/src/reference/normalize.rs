@@ -14,6 +14,7 @@ pub fn range(how: Normalize, pixels: &[f64]) -> Result<(f64, f64), ReferenceErro
     let (low, high) = match how {
         Normalize::MinMax => (min, max),
         Normalize::Percentile(low, high) => (percentile(&sorted, low), percentile(&sorted, high)),
+        Normalize::Signal(below, above) => (-below, above),
         Normalize::Noise(below, above) => match sky(&sorted) {
             (_, 0.0) => (min, max),
             (level, noise) => (level - below * noise, level + above * noise),

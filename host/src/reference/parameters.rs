@@ -11,6 +11,8 @@ pub enum Normalize {
     Percentile(f64, f64),
     /// The sky minus and plus so many standard deviations of its noise; levels beyond them are clipped.
     Noise(f64, f64),
+    /// The same of signal-to-noise, whose sky is 0 and whose noise is 1.
+    Signal(f64, f64),
 }
 
 /// Rescaling function of step 2.
@@ -91,6 +93,11 @@ pub enum Filter {
         /// Time step.
         dt: f64,
     },
+    /// The median of 3 x 3 pixels.
+    Median {
+        /// Iterations.
+        steps: u32,
+    },
 }
 
 impl Filter {
@@ -98,7 +105,7 @@ impl Filter {
     pub fn steps(self) -> u32 {
         match self {
             Filter::None => 0,
-            Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } => steps,
+            Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } | Filter::Median { steps } => steps,
         }
     }
 }

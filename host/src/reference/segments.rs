@@ -23,16 +23,19 @@ pub fn label(mask: &[bool], width: usize, connectivity: Connectivity, min_area: 
     (labels, count)
 }
 
-/// Sources: the components of the mask but those with a node that no front can have reached by T_max (ours). The front
-/// starts two pixels inside the border, its speed is 1 at most, and two pixels are the width of its profile.
+/// Whether no front from the border can have reached a node by T_max (ours). It starts two pixels inside, its speed is
+/// 1 at most, and two pixels are the width of its profile.
+pub fn is_beyond_reach(p: &Parameters, pixel: usize, width: usize, height: usize) -> bool {
+    let starts_near = p.start_margin.is_some() || p.scheme == Scheme::ChanVese;
+    let depth = |at: usize, n: usize| at.min(n - 1 - at) as f64 - 1.5;
+    !starts_near && depth(pixel % width, width).min(depth(pixel / width, height)) > p.t_max / p.dx + 2.0
+}
+
+/// Sources: the components of the mask but those with a node that no front can have reached.
 pub fn sources(p: &Parameters, mask: &[bool], width: usize) -> (Vec<u32>, u32) {
     let (labels, count) = label(mask, width, p.connectivity, p.min_area);
-    if p.start_margin.is_some() || p.scheme == Scheme::ChanVese {
-        return (labels, count);
-    }
     let height = mask.len() / width;
-    let depth = |at: usize, n: usize| at.min(n - 1 - at) as f64 - 1.5;
-    let far = |pixel: usize| depth(pixel % width, width).min(depth(pixel / width, height)) > p.t_max / p.dx + 2.0;
+    let far = |pixel: usize| is_beyond_reach(p, pixel, width, height);
     let mut kept = vec![true; count as usize + 1];
     (0..mask.len()).filter(|&pixel| far(pixel)).for_each(|pixel| kept[labels[pixel] as usize] = false);
     kept[0] = false;

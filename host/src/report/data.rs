@@ -1,7 +1,7 @@
 //! What the page shows, as one JSON object.
 
-use super::picture;
-use crate::catalogue::{Catalogue, Value as Cell};
+use super::{picture, places};
+use crate::catalogue::{Catalogue, Column, Value as Cell};
 use crate::extraction::shown;
 use crate::input::Input;
 use crate::outline::{Ring, rings};
@@ -9,9 +9,10 @@ use crate::picture::{captions, stage};
 use crate::pipeline::{Segmentation, StagePlanes};
 use crate::provenance::{parameters, shortest};
 use serde_json::{Value, json};
-use skyfront_core::config::{Config, Order, Rescale, Scheme};
+use skyfront_core::config::{self, Config, Order, Rescale, Scheme};
 use skyfront_core::run::outcome::StopReason;
 use skyfront_core::sky::otsu::{BINS, Histogram};
+use skyfront_core::sources::flags::FLAGS;
 use std::fmt::Write;
 
 /// Points of the convergence curve, at most.
@@ -37,21 +38,23 @@ pub fn page_data(subject: &Subject<'_>) -> Value {
     let Subject { config, input, run, catalogue, .. } = *subject;
     let name = &input.detected.name;
     let title = std::path::Path::new(name).file_name().map_or(name.into(), |name| name.to_string_lossy());
-    let parameters: Vec<Value> =
-        parameters(config).iter().map(|parameter| json!([parameter.name, parameter.value.to_string()])).collect();
+    let columns = in_sight(catalogue);
     json!({
         "title": title,
         "width": run.width,
         "height": run.height,
         "facts": facts(subject),
         "preview": picture::preview(&input.detected.image.pixels, run.width, run.height),
-        "columns": columns(catalogue),
-        "rows": rows(catalogue),
+        "sky": catalogue.sky.as_ref().map(|sky| places::places(sky, run.width, run.height)),
+        "columns": described(&columns),
+        "rows": rows(catalogue, &columns),
+        "flags": FLAGS.map(|flag| json!([flag.bit, flag.name])).as_slice(),
         "outlines": outlines(subject),
+        "boxes": boxes(run),
         "stages": stages(subject),
         "histogram": histogram(subject),
         "convergence": convergence(config, run),
-        "parameters": parameters,
+        "parameters": explained(config),
         "provenance": provenance(subject),
     })
 }
@@ -85,13 +88,24 @@ fn facts(subject: &Subject<'_>) -> Vec<Value> {
     facts
 }
 
-/// The columns of the catalogue.
-fn columns(catalogue: &Catalogue) -> Vec<Value> {
+/// Columns that stand first, because most readers look for them.
+const FIRST: [&str; 10] = ["label", "x", "y", "ra", "dec", "flux", "flux_err", "mag", "snr", "flags"];
+
+/// The columns of the catalogue, those of [`FIRST`] in front.
+fn in_sight(catalogue: &Catalogue) -> Vec<&Column> {
+    let place = |column: &&Column| FIRST.iter().position(|name| *name == column.name).unwrap_or(FIRST.len());
+    let mut columns: Vec<&Column> = catalogue.columns.iter().collect();
+    columns.sort_by_key(place);
+    columns
+}
+
+/// What the columns are.
+fn described(columns: &[&Column]) -> Vec<Value> {
     let digits = |value: &Cell| match value {
         Cell::Integer(_) => None,
         Cell::Real(_, digits) => Some(*digits),
     };
-    let column = catalogue.columns.iter().map(|column| {
+    let column = columns.iter().map(|column| {
         json!({
             "name": column.name,
             "unit": column.unit,
@@ -103,10 +117,29 @@ fn columns(catalogue: &Catalogue) -> Vec<Value> {
 }
 
 /// The catalogue, a row a source; null where there is no value.
-fn rows(catalogue: &Catalogue) -> Vec<Vec<Value>> {
+fn rows(catalogue: &Catalogue, columns: &[&Column]) -> Vec<Vec<Value>> {
     let cell = |text: String| text.parse().map_or(Value::Null, Value::Number);
-    let row = |source| catalogue.columns.iter().map(|column| cell(column.text(source))).collect();
+    let row = |source| columns.iter().map(|column| cell(column.text(source))).collect();
     catalogue.rows.iter().map(row).collect()
+}
+
+/// The parameters of a run with their units and meanings.
+fn explained(config: &Config) -> Vec<Value> {
+    let told = parameters(config).into_iter().map(|one| {
+        let (unit, help) = config::Parameter::named(one.name).map_or(("", ""), |known| (known.unit, known.help));
+        json!({ "name": one.name, "value": one.value.to_string(), "unit": unit, "help": help })
+    });
+    told.collect()
+}
+
+/// The boxes around the sources: left, top, right and bottom, in pixels from the upper left corner.
+fn boxes(run: &Segmentation) -> Vec<Value> {
+    let height = run.height as i64;
+    let around = run.sources.iter().map(|source| {
+        let (columns, rows) = (source.columns, source.rows);
+        json!([columns.0, height - 1 - i64::from(rows.1), columns.1 + 1, height - i64::from(rows.0)])
+    });
+    around.collect()
 }
 
 /// The outline of each source of the catalogue as an SVG path, in hundredths of a pixel from the

@@ -5,6 +5,7 @@
 
 mod data;
 mod picture;
+mod places;
 
 pub use data::{Subject, page_data};
 
@@ -12,7 +13,8 @@ use serde_json::Value;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str =
+    concat!(include_str!("page.js"), include_str!("image.js"), include_str!("catalogue.js"), include_str!("charts.js"));
 
 /// Name of the file.
 pub const FILE: &str = "report.html";

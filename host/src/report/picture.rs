@@ -1,6 +1,7 @@
 //! Pictures inside the page: PNG as base64 text.
 
-use crate::picture::{Canvas, Stretch};
+use crate::picture::{Canvas, Stretch, reduced};
+use serde_json::{Value, json};
 use std::io;
 
 /// The longer side of the image in the page, at most.
@@ -17,29 +18,62 @@ pub fn of_canvas(canvas: &Canvas) -> String {
     }
 }
 
-/// An image, its last row on top, in a stretch that shows faint and bright things; means of
-/// squares of pixels where it is larger than the page needs.
-pub fn preview(pixels: &[f32], width: usize, height: usize) -> String {
+/// An image, its last row on top, in codes from which the page makes any stretch: asinh of the value
+/// above a pivot, as 16 bits in red and green, 0 where it is undefined. Means of squares of pixels
+/// where it is larger than the page needs.
+pub fn preview(pixels: &[f32], width: usize, height: usize) -> Value {
     let step = width.max(height).div_ceil(SIDE).max(1);
-    let stretch = Stretch::of(pixels);
     let (columns, rows) = (width.div_ceil(step), height.div_ceil(step));
-    let mut shades = Vec::with_capacity(columns * rows);
-    for top in (0..height).step_by(step).rev() {
-        for left in (0..width).step_by(step) {
-            let across = left..(left + step).min(width);
-            let square =
-                (top..(top + step).min(height)).flat_map(|y| across.clone().map(move |x| pixels[y * width + x]));
-            shades.push(stretch.shade(mean(square)));
-        }
-    }
-    address(columns, rows, png::ColorType::Grayscale, &shades)
+    let means = reduced(pixels, width, height, step);
+    let stretch = Stretch::of(pixels);
+    let codes = Codes::of(&means, &stretch);
+    let upright = means.chunks_exact(columns.max(1)).rev().flatten();
+    let colours: Vec<u8> = upright
+        .flat_map(|&mean| {
+            let [high, low] = codes.code(mean).to_be_bytes();
+            [high, low, 0]
+        })
+        .collect();
+    json!({
+        "image": address(columns, rows, png::ColorType::Rgb, &colours),
+        "step": step,
+        "pivot": codes.pivot,
+        "scale": codes.scale,
+        "low": codes.low,
+        "high": codes.high,
+        "black": stretch.black(),
+        "white": stretch.white(),
+    })
 }
 
-/// The mean of the finite values; NaN where there is none.
-fn mean(values: impl Iterator<Item = f32>) -> f32 {
-    let (sum, count) =
-        values.filter(|value| value.is_finite()).fold((0.0, 0u32), |(sum, n), value| (sum + value, n + 1));
-    if count > 0 { sum / count as f32 } else { f32::NAN }
+/// From values to codes of 16 bits, finest near the sky.
+struct Codes {
+    pivot: f64,
+    scale: f64,
+    /// The asinh of the least value.
+    low: f64,
+    /// The asinh of the greatest.
+    high: f64,
+}
+
+impl Codes {
+    fn of(values: &[f32], stretch: &Stretch) -> Codes {
+        let (pivot, scale) = (stretch.black(), stretch.scale());
+        let asinh = |value: f32| ((f64::from(value) - pivot) / scale).asinh();
+        let all = values.iter().copied().filter(|value| value.is_finite()).map(asinh);
+        let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        if low <= high { Codes { pivot, scale, low, high } } else { Codes { pivot, scale, low: 0.0, high: 1.0 } }
+    }
+
+    fn code(&self, value: f32) -> u16 {
+        if !value.is_finite() {
+            return 0;
+        }
+        let part = (((f64::from(value) - self.pivot) / self.scale).asinh() - self.low) / (self.high - self.low);
+        // A flat image has one value.
+        let part = if part.is_finite() { part } else { 0.0 };
+        1 + (part * f64::from(u16::MAX - 1)).round() as u16
+    }
 }
 
 /// A PNG as a `data:` address; an empty one, which shows nothing, where it cannot be made.
@@ -88,8 +122,22 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_of_a_square_leaves_out_what_is_undefined() {
-        assert_eq!(mean([1.0, f32::NAN, 3.0, f32::INFINITY].into_iter()), 2.0);
-        assert!(mean([f32::NAN].into_iter()).is_nan());
+    fn codes_keep_values_to_a_thousandth_of_the_spread_of_the_sky_and_of_themselves() {
+        let noise = |at: usize| 100.0 + ((at * 7919) % 1009) as f32 / 500.0;
+        let values: Vec<f32> =
+            (0..5000).map(|at| if at % 97 == 0 { 100.0 + (at * at) as f32 } else { noise(at) }).collect();
+        let codes = Codes::of(&values, &Stretch::of(&values));
+        let value = |code: u16| {
+            let part = f64::from(code - 1) / f64::from(u16::MAX - 1);
+            codes.pivot + codes.scale * (codes.low + part * (codes.high - codes.low)).sinh()
+        };
+        for &known in &values {
+            let error = (value(codes.code(known)) - f64::from(known)).abs();
+            assert!(error < 1e-3 * (1.0 + f64::from(known) - 100.0), "{known}: {error}");
+        }
+        assert_eq!(codes.code(f32::NAN), 0);
+        assert!(values.iter().all(|&known| codes.code(known) > 0));
+        let flat = Codes::of(&[5.0; 9], &Stretch::of(&[5.0; 9]));
+        assert_eq!(flat.code(5.0), 1);
     }
 }

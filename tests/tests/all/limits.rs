@@ -118,6 +118,36 @@ fn a_run_takes_no_more_than_it_asked_for() {
     }
 }
 
+/// Commands that read whole images beside `segment`.
+fn whole<'a>(image: &'a str, out: &'a str) -> [Vec<&'a str>; 3] {
+    [
+        vec!["crosscheck", image, "--preset", "paper-f160", "--t-max", "0.1"],
+        vec!["score", image, image, "--image", image],
+        vec!["reproduce", image, "--overwrite", "--out", out],
+    ]
+}
+
+#[test]
+fn every_command_asks_for_memory_before_it_reads_pixels() {
+    let folder = Folder::new("every");
+    let [small, big, out] = ["small.fits", "big.fits", "out"].map(|name| folder.file(name));
+    sky(&small, 150);
+    vast(&big);
+    for (small, big) in whole(&small, &out).iter().zip(whole(&big, &out)) {
+        let refused = under("ulimit -v 2000000", &big);
+        let text = messages(&refused);
+        assert_eq!((refused.status.code(), text.lines().count()), (Some(1), 1), "{big:?}: {text}");
+        assert!(text.contains("big.fits") && text.contains("but the system gives "), "{big:?}: {text}");
+        let asked = text.split_once(" need ").and_then(|(_, rest)| rest.split_once(" MB"));
+        let asked: u64 = asked.and_then(|(number, _)| number.parse().ok()).unwrap_or_else(|| panic!("{text}"));
+        let per_pixel = (asked - 24) / 100;
+        let (run, kilobytes) = crate::habits::watched_command(Command::new(program()).args(small));
+        assert!(run.status.success(), "{small:?}: {}", messages(&run));
+        println!("{}: {per_pixel} bytes per pixel, {kilobytes} kB", small[0]);
+        assert!(1000 * kilobytes < 24_000_000 + per_pixel * 150 * 150, "{small:?}: {kilobytes} kB");
+    }
+}
+
 #[test]
 fn more_pixels_than_can_be_labelled_are_told_by_the_header() {
     let folder = Folder::new("labels");

@@ -202,6 +202,44 @@ fn threads_change_no_bit() {
     assert!([2, 3, 16].into_iter().all(|threads| of(threads) == one));
 }
 
+/// Rings three pixels thick around the middle, one in another.
+fn rings(side: usize) -> (Vec<f32>, Vec<u32>) {
+    let middle = side as f64 / 2.0;
+    let far = |at: usize| ((at % side) as f64 - middle).hypot((at / side) as f64 - middle) as u32;
+    let labels = (0..side * side).map(far).map(|far| if far % 16 < 3 { far / 16 + 1 } else { 0 });
+    let labels: Vec<u32> = labels.collect();
+    (labels.iter().map(|&label| if label > 0 { 12.0 } else { 0.0 }).collect(), labels)
+}
+
+/// What apertures cost is the pixels in them: without a bound, those of rings would be as many as the
+/// image has, for each.
+#[test]
+fn the_apertures_of_all_sources_are_a_bounded_part_of_the_image() {
+    const MOST: f64 = 64.0;
+    let frames: [(&str, fn(usize) -> (Vec<f32>, Vec<u32>)); 3] =
+        [("rings", rings), ("lines", |side| lines(side, 0)), ("lines aslant", |side| lines(side, 1))];
+    for (name, frame) in frames {
+        let mut cut = 0;
+        for side in [256, 512, 1024] {
+            let (pixels, labels) = frame(side);
+            let sources = measured(&pixels, &labels, side, &known(0.0, 1.0));
+            for one in &sources {
+                let (a, b) = one.shape.wide_axes();
+                let area = std::f64::consts::PI * one.kron_radius * one.kron_radius * b / a;
+                let most = MOST * f64::from(one.source.area) + 1024.0;
+                assert!(area <= 1.000_001 * most, "{name}, {side}: {area} of {:?}", one.source);
+                cut += usize::from(area > 0.999_999 * most);
+                // All of a ring up to a hundred times as wide as thick, and a flag that says what is cut.
+                let all = 12.0 * f64::from(one.source.area);
+                let ring = name == "rings" && one.flags & flags::TRUNCATED == 0 && one.source.area < 5600;
+                assert!(!ring || one.kron.value > 0.99 * all, "{side}: {:?}", one.source);
+                assert!(area < 0.999_999 * most || one.flags & flags::APERTURE != 0, "{name}, {side}");
+            }
+        }
+        assert_eq!(cut > 20, name == "rings", "{name}: {cut} cut");
+    }
+}
+
 /// Long thin sources reach as far as round ones of a hundred times their area, and must not cost as
 /// much: four times the pixels in twice as many lines of twice the length take four times as long.
 #[test]

@@ -32,7 +32,7 @@ fn a_slope_with_noise_is_measured_to_its_corners() {
         let pixels = sky(1, |x, y, noise| rounded(slope(x, y) + 2.0 * noise));
         let facts = Facts::of(&pixels, SIDE);
         assert!(facts.fill.is_none() && !facts.cut_off && (facts.step == 1.0) == (step == 1.0), "{facts:?}");
-        let mesh = Mesh::measure(&pixels, &[Seen::Sky; SIDE * SIDE], (SIDE, SIDE), &facts, None, 1.0);
+        let mesh = Mesh::unknown((SIDE, SIDE), 64).measure(&pixels, &[Seen::Sky; SIDE * SIDE], &facts, 0.0);
         for (x, y) in [(0, 0), (SIDE - 1, 0), (SIDE / 2, SIDE / 2), (7, SIDE - 1)] {
             let found = mesh.at(x, y);
             assert!((found.level - slope(x, y)).abs() < 0.5, "{found:?} at {x}, {y}, not {}", slope(x, y));

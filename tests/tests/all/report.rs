@@ -1,6 +1,7 @@
 //! report.html in a real browser: does it do what a reader expects, without an error and without
 //! asking anything of the network?
 
+use serde_json::json;
 use skyfront_tests::command::{Folder, messages, skyfront};
 use std::fs;
 use std::path::Path;
@@ -50,17 +51,21 @@ fn in_browser(folder: &Folder, page: &Path, check: &str) -> serde_json::Value {
     let verdict = verdict.unwrap_or_else(|| panic!("the check did not end: {}", messages(&output))).0;
     let verdict = verdict.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
     let found: serde_json::Value = serde_json::from_str(&verdict).expect("the verdict is JSON");
-    assert_eq!(found["faults"], serde_json::json!([]), "script errors or refused requests");
-    assert_eq!(found["loaded"], serde_json::json!([]), "nothing is loaded from elsewhere");
+    assert_eq!(found["faults"], json!([]), "script errors or refused requests");
+    assert_eq!(found["loaded"], json!([]), "nothing is loaded from elsewhere");
     found
 }
 
-/// Points at, clicks and sorts as a reader does. A pixel of the screen is asked which element lies
-/// there, so that an outline that cannot be reached fails.
+/// Points at, clicks, sorts and filters as a reader does. A pixel of the screen is asked which element
+/// lies there, so that an outline that cannot be reached fails.
 const READER: &str = r#"async () => {
+    await ready;
+    const frames = () => new Promise(done => setTimeout(done, 100));
     const data = JSON.parse(document.getElementById('data').textContent);
-    const rows = [...document.querySelectorAll('tbody tr')], paths = [...document.querySelectorAll('#paths path')];
-    const one = (all, name) => all.filter(e => e.classList.contains(name)).map(e => Number(e.dataset.source));
+    const $$ = query => [...document.querySelectorAll(query)], $ = id => document.getElementById(id);
+    const line = i => document.querySelector(`tbody tr[data-source="${i}"]`);
+    const ring = i => document.querySelector(`#paths path[data-source="${i}"]`);
+    const one = (query, name) => $$(query).filter(e => e.classList.contains(name)).map(e => Number(e.dataset.source));
     const point = (target, type, x, y) => target.dispatchEvent(
         new PointerEvent(type, { bubbles: true, clientX: x, clientY: y, pointerId: 1 }));
     const reached = path => {
@@ -71,56 +76,146 @@ const READER: &str = r#"async () => {
         }
         return null;
     };
-    const found = { sources: data.rows.length, rows: rows.length, paths: paths.length, hovers: [], clicks: [] };
-    for (const path of paths.slice(0, 3)) {
+    const column = name => data.columns.findIndex(column => column.name === name);
+    const cells = name => $$('tbody tr[data-source]').map(row => data.rows[row.dataset.source][column(name)]);
+    const falls = list => list.every((value, k) => k === 0 || list[k - 1] >= value);
+    const found = { sources: data.rows.length, paths: $$('#paths path').length, hovers: [], clicks: [] };
+    found.brightestFirst = falls(cells('flux'));
+    found.inSight = data.columns.slice(0, 7).map(column => column.name);
+    for (const path of $$('#paths path').slice(0, 3)) {
         const i = Number(path.dataset.source), at = reached(path);
         if (!at) { found.hovers.push(`outline ${i} cannot be reached`); continue; }
         point(path, 'pointerover', at.x, at.y);
         point(path, 'pointermove', at.x, at.y);
-        const card = document.getElementById('card');
-        found.hovers.push([i, one(rows, 'hover'), one(paths, 'hover'), !card.hidden && card.textContent.includes(`label${data.rows[i][0]}`)]);
+        const hovers = one('tbody tr', 'hover');
+        found.hovers.push([i, hovers.length ? hovers : [i], one('#paths path', 'hover'),
+            !$('card').hidden && $('card').textContent.includes(`label${data.rows[i][0]}`)]);
         point(path, 'pointerdown', at.x, at.y);
         point(path, 'pointerup', at.x, at.y);
         path.dispatchEvent(new MouseEvent('click', { bubbles: true }));
-        const box = rows[i].getBoundingClientRect(), frame = document.querySelector('.scroll').getBoundingClientRect();
-        found.clicks.push([i, one(rows, 'chosen'), box.top >= frame.top && box.bottom <= frame.bottom + 1]);
+        const box = line(i).getBoundingClientRect(), frame = $('scroll').getBoundingClientRect();
+        found.clicks.push([i, one('tbody tr', 'chosen'), box.top >= frame.top && box.bottom <= frame.bottom + 1]);
     }
-    const sky = document.getElementById('sky');
     sky.dispatchEvent(new PointerEvent('pointerleave'));
-    found.left = [one(rows, 'hover').length, document.getElementById('card').hidden];
-    const last = rows.length - 1, whole = sky.getAttribute('viewBox');
-    rows[last].dispatchEvent(new PointerEvent('pointerover', { bubbles: true }));
-    found.fromRow = [last, one(paths, 'hover')];
-    rows[last].click();
-    found.rowClick = [last, one(paths, 'chosen'), sky.getAttribute('viewBox') !== whole, reached(paths[last]) !== null];
-    document.getElementById('fit').click();
+    found.left = [one('tbody tr', 'hover').length, $('card').hidden];
+    const last = Number($$('tbody tr[data-source]')[2].dataset.source), whole = sky.getAttribute('viewBox');
+    point(line(last), 'pointerover', 0, 0);
+    found.fromRow = [last, one('#paths path', 'hover')];
+    line(last).click();
+    await frames();
+    found.rowClick = [last, one('#paths path', 'chosen'), sky.getAttribute('viewBox') !== whole, reached(ring(last)) !== null];
+    $('fit').click();
     found.fit = sky.getAttribute('viewBox') === whole;
     sky.dispatchEvent(new WheelEvent('wheel', { deltaY: -1, clientX: 400, clientY: 400, cancelable: true }));
     found.wheel = Number(sky.getAttribute('viewBox').split(' ')[2]) < data.width;
     sky.dispatchEvent(new KeyboardEvent('keydown', { key: '0' }));
     found.key = sky.getAttribute('viewBox') === whole;
-    const area = data.columns.findIndex(column => column.name === 'area');
-    const head = document.querySelectorAll('th')[area];
-    const order = () => [...document.querySelectorAll('tbody tr')].map(row => Number(row.cells[area].textContent));
-    const sorted = list => list.every((value, k) => k === 0 || list[k - 1] <= value);
+
+    // The image lies under its outlines, and what is under the pointer is told.
+    const [x, y] = [['x', 'y']].flat().map(name => data.rows[last][column(name)]);
+    const corner = new DOMPoint(x - 0.5, data.height - y + 0.5).matrixTransform(sky.getScreenCTM());
+    point(sky, 'pointermove', corner.x, corner.y);
+    found.pointer = $('pointer').textContent;
+    found.centre = [x, y, data.rows[last][column('peak')]];
+    const canvas = $('picture').getBoundingClientRect(), scale = canvas.width / data.width;
+    const under = new DOMPoint(0, 0).matrixTransform(sky.getScreenCTM());
+    found.under = [Math.abs(canvas.left - under.x) < 1, Math.abs(canvas.top - under.y) < 1, Math.abs(scale - sky.getScreenCTM().a) < 0.01];
+    const shades = () => [...pen.getImageData(0, 0, picture.width, picture.height).data].filter((_, k) => k % 4 === 0);
+    const mean = () => { const all = shades(); return all.reduce((sum, shade) => sum + shade, 0) / all.length; };
+    const change = async (id, value) => { $(id).value = value; $(id).dispatchEvent(new Event('input')); await frames(); return mean(); };
+    found.image = [picture.width, picture.height];
+    const first = mean();
+    found.stretches = [first, await change('curve', 'linear'), await change('curve', 'logarithm')];
+    $('reset').click();
+    await frames();
+    found.stretches.push(mean(), await change('white', $('black').value));
+    $('reset').click();
+    $('invert').click();
+    await frames();
+    found.inverted = mean();
+    $('invert').click();
+
+    // Sorting, filtering, keys
+    const head = $$('th')[column('area')];
     head.querySelector('button').click();
-    found.up = [head.getAttribute('aria-sort'), sorted(order())];
+    found.down = [head.getAttribute('aria-sort'), falls(cells('area'))];
     head.querySelector('button').click();
-    found.down = [head.getAttribute('aria-sort'), sorted(order().reverse())];
-    const first = document.querySelector('tbody tr');
-    first.focus();
-    first.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowDown', bubbles: true }));
-    found.keyboard = document.activeElement === document.querySelectorAll('tbody tr')[1];
+    found.up = [head.getAttribute('aria-sort'), falls(cells('area').reverse())];
+    const filter = text => { $('filter').value = text; $('filter').dispatchEvent(new Event('input')); };
+    const count = holds => data.rows.filter(holds).length, bit = data.flags.find(flag => flag[1] === 'blended')[0];
+    const large = row => row[column('area')] >= 50 && !(row[column('flags')] & bit);
+    filter('area >= 50, not blended');
+    const rings = $$('#paths path').filter(e => !e.classList.contains('chosen') || large(data.rows[e.dataset.source]));
+    found.filtered = [$('count').textContent, rings.length, count(large)];
+    filter('brightness over 9000');
+    found.invalid = $('filter').matches(':invalid');
+    filter('');
+    found.unfiltered = $('count').textContent;
+    const top = $$('tbody tr[data-source]')[0];
+    top.focus();
+    top.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowDown', bubbles: true }));
+    found.keyboard = document.activeElement === $$('tbody tr[data-source]')[1];
     document.activeElement.dispatchEvent(new KeyboardEvent('keydown', { key: 'Enter', bubbles: true }));
-    found.enter = one(rows, 'chosen')[0] === Number(document.activeElement.dataset.source);
-    const image = document.getElementById('picture').href.baseVal;
-    const decoded = new Image(); decoded.src = image; await decoded.decode();
-    found.image = [decoded.naturalWidth, decoded.naturalHeight];
-    found.stages = document.querySelectorAll('#stages img').length;
+    found.enter = one('tbody tr', 'chosen')[0] === Number(document.activeElement.dataset.source);
+    document.activeElement.dispatchEvent(new KeyboardEvent('keydown', { key: 'End', bubbles: true }));
+    found.end = Number(document.activeElement.dataset.index) === data.rows.length - 1;
+    const sentence = name => [...$('parameters').querySelectorAll('dt')].find(e => e.textContent === name)?.nextSibling.textContent;
+    found.parameters = [sentence('min-area'), data.parameters.every(one => one.help.length > 10)];
+    found.stages = $$('#stages img').length;
     found.tau = document.querySelector('#histogram .limit-name').textContent;
-    found.curve = document.querySelector('#convergence .curve').getAttribute('d').split('L').length;
+    found.curve = document.querySelector('#convergence .curve')?.getAttribute('d').split('L').length ?? null;
     return found;
 }"#;
+
+/// What a reader must find on every page.
+fn must_serve(found: &serde_json::Value) {
+    let n = found["sources"].as_u64().expect("a number");
+    assert_eq!(found["paths"].as_u64(), Some(n), "every outline is there");
+    assert_eq!(found["brightestFirst"], true);
+    assert_eq!(found["inSight"], json!(["label", "x", "y", "flux", "flux_err", "snr", "flags"]));
+    let pairs = found["hovers"].as_array().expect("hovers").iter().zip(found["clicks"].as_array().expect("clicks"));
+    for (hover, click) in pairs {
+        let i = &hover[0];
+        assert_eq!(hover, &json!([i, [i], [i], true]), "an outline shows its row: {found}");
+        assert_eq!(click, &json!([i, [i], true]), "a click brings the row into view: {found}");
+    }
+    assert_eq!(found["hovers"].as_array().map(Vec::len), Some(3));
+    assert_eq!(found["left"], json!([0, true]));
+    let chosen = &found["fromRow"][0];
+    assert_eq!(found["fromRow"], json!([chosen, [chosen]]), "a row shows its outline");
+    assert_eq!(found["rowClick"], json!([chosen, [chosen], true, true]), "a click on a row goes there");
+    for what in ["fit", "wheel", "key", "keyboard", "enter", "end", "invalid"] {
+        assert_eq!(found[what], true, "{what}: {found}");
+    }
+    assert_eq!((&found["up"], &found["down"]), (&json!(["ascending", true]), &json!(["descending", true])));
+    assert_eq!((&found["image"], &found["under"]), (&json!([300, 300]), &json!([true, true, true])));
+    told_under_the_pointer(found);
+    let shade = |at: usize| found["stretches"][at].as_f64().expect("a mean shade");
+    assert!(shade(1) < shade(0) && shade(0) < shade(2), "linear is darker, logarithm brighter: {found}");
+    assert_eq!(shade(3), shade(0), "reset");
+    assert!(shade(4) > 1.5 * shade(0), "a lower white is brighter: {found}");
+    assert!((found["inverted"].as_f64().expect("a shade") - (255.0 - shade(0))).abs() < 0.01, "{found}");
+    let passed = found["filtered"][2].as_u64().expect("a number");
+    assert!(passed > 0 && passed < n, "{found}");
+    assert_eq!(found["filtered"][0], format!("{passed} of {n} sources"));
+    assert_eq!(found["filtered"][1].as_u64(), Some(passed), "outlines are filtered too, but for the chosen one");
+    assert_eq!(found["unfiltered"], format!("{n} sources"));
+    let sentence = found["parameters"][0].as_str().expect("a sentence");
+    assert!(sentence.contains("pixel") && found["parameters"][1] == true, "{found}");
+}
+
+/// The read-out at a source's centre: its place, and a value near that of its peak.
+fn told_under_the_pointer(found: &serde_json::Value) {
+    let words: Vec<&str> = found["pointer"].as_str().expect("a read-out").split_whitespace().collect();
+    let number = |name: &str| {
+        let at = words.iter().position(|word| *word == name).unwrap_or_else(|| panic!("{name}: {found}"));
+        words[at + 1].parse::<f64>().expect("a number")
+    };
+    let centre = |at: usize| found["centre"][at].as_f64().expect("a number");
+    assert!((number("x") - centre(0)).abs() < 0.1 && (number("y") - centre(1)).abs() < 0.1, "{found}");
+    let share = number("value") / centre(2);
+    assert!(share > 0.5 && share < 1.01, "{found}");
+}
 
 #[test]
 fn outlines_and_rows_point_at_each_other() {
@@ -131,27 +226,7 @@ fn outlines_and_rows_point_at_each_other() {
     let run = skyfront([["segment", &folder.file("demo/sky.fits")].as_slice(), &front].concat());
     assert!(run.status.success(), "{}", messages(&run));
     let found = in_browser(&folder, &folder.path().join("out/report.html"), READER);
-    let n = found["sources"].as_u64().expect("a number");
-    assert!(n >= 3, "{found}");
-    assert_eq!((found["rows"].as_u64(), found["paths"].as_u64()), (Some(n), Some(n)));
-    for (hover, click) in
-        found["hovers"].as_array().expect("hovers").iter().zip(found["clicks"].as_array().expect("clicks"))
-    {
-        let i = &hover[0];
-        assert_eq!(hover, &serde_json::json!([i, [i], [i], true]), "an outline shows its row: {found}");
-        assert_eq!(click, &serde_json::json!([i, [i], true]), "a click brings the row into view: {found}");
-    }
-    assert_eq!(found["hovers"].as_array().map(Vec::len), Some(3));
-    assert_eq!(found["left"], serde_json::json!([0, true]));
-    let last = n - 1;
-    assert_eq!(found["fromRow"], serde_json::json!([last, [last]]), "a row shows its outline");
-    assert_eq!(found["rowClick"], serde_json::json!([last, [last], true, true]), "a click on a row goes there");
-    for what in ["fit", "wheel", "key", "keyboard", "enter"] {
-        assert_eq!(found[what], true, "{what}: {found}");
-    }
-    assert_eq!(found["up"], serde_json::json!(["ascending", true]));
-    assert_eq!(found["down"], serde_json::json!(["descending", true]));
-    assert_eq!(found["image"], serde_json::json!([300, 300]));
+    must_serve(&found);
     assert_eq!(found["stages"], 6);
     assert!(found["tau"].as_str().is_some_and(|text| text.starts_with("τ = 0.")), "{found}");
     assert!(found["curve"].as_u64().is_some_and(|points| points > 100), "{found}");
@@ -177,19 +252,10 @@ fn the_default_shows_its_own_stages_and_threshold_and_no_front() {
     assert!(demo.status.success(), "{}", messages(&demo));
     let run = skyfront(["segment", &folder.file("demo/sky.fits"), "--quiet", "--out", &folder.file("out")]);
     assert!(run.status.success(), "{}", messages(&run));
-    let check = READER
-        .replace("document.querySelector('#convergence .curve').getAttribute('d').split('L').length", "'none'")
-        .replace("return found;", "found.convergence = document.getElementById('convergence'); return found;");
-    let found = in_browser(&folder, &folder.path().join("out/report.html"), &check);
+    let found = in_browser(&folder, &folder.path().join("out/report.html"), READER);
     assert!(found["sources"].as_u64().is_some_and(|n| n >= 10), "{found}");
-    for (hover, click) in
-        found["hovers"].as_array().expect("hovers").iter().zip(found["clicks"].as_array().expect("clicks"))
-    {
-        let i = &hover[0];
-        assert_eq!(hover, &serde_json::json!([i, [i], [i], true]), "an outline shows its row: {found}");
-        assert_eq!(click, &serde_json::json!([i, [i], true]), "a click brings the row into view: {found}");
-    }
-    assert_eq!((&found["stages"], &found["convergence"]), (&serde_json::json!(5), &serde_json::Value::Null));
+    must_serve(&found);
+    assert_eq!((&found["stages"], &found["curve"]), (&json!(5), &json!(null)));
     assert_eq!(found["tau"], "threshold = 1");
 }
 
@@ -203,4 +269,65 @@ fn no_address_outside_the_page_stands_in_it() {
     for address in ["http:", "https:", "src=\"//", "@import", "url("] {
         assert!(!page.contains(address), "'{address}' stands in the page");
     }
+}
+
+/// A page of 100 000 sources with no image to speak of: every second source is in the upper half.
+fn vast() -> serde_json::Value {
+    const SIDE: usize = 1000;
+    let mut data = json!({
+        "title": "vast", "width": SIDE, "height": SIDE, "facts": [], "sky": null, "stages": [], "convergence": null,
+        "columns": [
+            { "name": "label", "unit": "", "description": "", "digits": null },
+            { "name": "flux", "unit": "", "description": "", "digits": 9 },
+            { "name": "flags", "unit": "", "description": "", "digits": null },
+        ],
+        "flags": [[1, "truncated"]],
+        "preview": { "image": "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==",
+            "step": SIDE, "pivot": 0, "scale": 1, "low": 0, "high": 1, "black": 0, "white": 1 },
+        "histogram": { "counts": [1], "from": 0, "to": 1, "axis": "", "limit": null, "limit_name": "", "note": "" },
+        "parameters": [], "provenance": [],
+    });
+    let place = |i: usize| (i % SIDE, i / SIDE * 10);
+    let all = || (0..100_000).map(place);
+    data["rows"] = (0..100_000).map(|i| json!([i + 1, (i * 7919) % 100_003, i % 2])).collect();
+    data["outlines"] = all().map(|(x, y)| json!(format!("M{} {}l90 0 0 90 -90 0 z", 100 * x, 100 * y))).collect();
+    data["boxes"] = all().map(|(x, y)| json!([x, y, x + 1, y + 1])).collect();
+    data
+}
+
+#[test]
+fn a_hundred_thousand_sources_are_no_burden() {
+    let folder = Folder::new("report-vast");
+    let page = folder.path().join("vast.html");
+    fs::write(&page, skyfront::report::page(&vast())).expect("the page can be written");
+    let check = r#"async () => {
+        await ready;
+        const frames = () => new Promise(done => setTimeout(done, 100));
+        const $ = id => document.getElementById(id), drawn = () => document.querySelectorAll('#paths path').length;
+        const lines = () => document.querySelectorAll('tbody tr[data-source]');
+        const found = { count: $('count').textContent, rows: lines().length, outlines: drawn(), hidden: $('hidden').textContent };
+        found.first = Number(lines()[0].cells[1].textContent);
+        $('scroll').scrollTop = 1e9;
+        $('scroll').dispatchEvent(new Event('scroll'));
+        await frames();
+        found.last = Number([...lines()].at(-1).cells[1].textContent);
+        for (let k = 0; k < 12; k++) $('in').click();
+        await frames();
+        found.near = [drawn(), $('hidden').textContent];
+        $('filter').value = 'flux < 1000, truncated';
+        $('filter').dispatchEvent(new Event('input'));
+        found.filtered = $('count').textContent;
+        return found;
+    }"#;
+    let found = in_browser(&folder, &page, check);
+    assert_eq!((&found["count"], &found["outlines"]), (&json!("100000 sources"), &json!(3000)));
+    assert!(found["rows"].as_u64().is_some_and(|rows| rows > 10 && rows < 100), "{found}");
+    assert_eq!(found["hidden"], "The 3000 brightest of 100000 outlines; zoom in for the rest.");
+    let fluxes: Vec<usize> = (0..100_000).map(|i| (i * 7919) % 100_003).collect();
+    assert_eq!(found["first"].as_u64(), fluxes.iter().max().map(|&flux| flux as u64));
+    assert_eq!(found["last"].as_u64(), fluxes.iter().min().map(|&flux| flux as u64));
+    assert!(found["near"][0].as_u64().is_some_and(|drawn| drawn > 0 && drawn < 3000), "{found}");
+    assert_eq!(found["near"][1], "");
+    let passed = fluxes.iter().enumerate().filter(|(i, flux)| **flux < 1000 && i % 2 == 1).count();
+    assert_eq!(found["filtered"], format!("{passed} of 100000 sources"));
 }

@@ -58,8 +58,14 @@ fn intensities() -> Vec<Config> {
 /// The rules of steps 3 and 4.
 fn filters_and_edges() -> Vec<Config> {
     let pm = |diffusivity, mu| Filter::PeronaMalik { diffusivity, mu };
-    let filters =
-        [Filter::None, Filter::Heat, pm(Diffusivity::F1, 2.0), pm(Diffusivity::F2, 2.0), pm(Diffusivity::F2, 30.0)];
+    let filters = [
+        Filter::None,
+        Filter::Heat,
+        Filter::Median,
+        pm(Diffusivity::F1, 2.0),
+        pm(Diffusivity::F2, 2.0),
+        pm(Diffusivity::F2, 30.0),
+    ];
     let edges = [
         Edge::G1 { p: 2.5 },
         Edge::G1 { p: 4.0 },

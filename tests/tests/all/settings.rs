@@ -62,6 +62,8 @@ const CASES: &[Case] = &[
     ("filter", S, "", ["gauss", "none"]),
     ("filter", S, "preset=rsa", ["adaptive", "gauss"]),
     ("filter", S, "preset=rsa", ["none", "heat"]),
+    ("filter", B, "preset=paper-f160", ["heat", "median"]),
+    ("filter-steps", B, "preset=paper-f160 filter=median", ["1", "2"]),
     ("filter-steps", B, "preset=paper-f160", ["5", "50"]),
     ("filter-dt", B, "preset=paper-f160", ["1e-4", "2e-3"]),
     ("pm", B, "preset=paper-f160 filter=pm pm-mu=1", ["f1", "f2"]),
@@ -225,6 +227,7 @@ fn choices_that_cannot_go_together_are_refused_by_option_and_by_file() {
     for (settings, expected) in [
         ("filter=heat", "--filter heat needs --scheme fd"),
         ("filter=pm", "--filter pm needs --scheme fd"),
+        ("filter=median", "--filter median needs --scheme fd"),
         ("sky=none", "--scheme region needs --sky mesh or frame"),
         ("preset=paper-f160 filter=adaptive", "--filter adaptive needs --sky mesh or frame"),
         ("preset=paper-f160 filter=gauss", "--filter gauss needs --sky mesh or frame"),

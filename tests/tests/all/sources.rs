@@ -141,6 +141,21 @@ fn the_catalogue_tells_of_a_plateau() {
     assert_eq!(flags, [PLATEAU; PLACES.len()]);
 }
 
+/// Each of two companions on opposite sides of a brighter star lies where the mirror shows the other.
+#[test]
+fn companions_opposite_each_other_are_sources() {
+    let mut pixels = stars(13, |dx, dy| 40.0 * moffat(dx, dy, 3.0));
+    let beside = |off: f32| PLACES.map(|(x, y)| (x + off, y + 0.5 * off));
+    for (x, y) in beside(6.0).into_iter().chain(beside(-6.0)) {
+        for (at, pixel) in pixels.iter_mut().enumerate() {
+            let (dx, dy) = ((at % SIDE) as f32 - x, (at / SIDE) as f32 - y);
+            *pixel += 20.0 * moffat(dx, dy, 3.0);
+        }
+    }
+    let found = [run::<f32>(&pixels), run::<Fixed14>(&pixels)].map(|found| found.outcome.sources);
+    assert_eq!(found, [3 * PLACES.len() as u32; 2], "f32, q24");
+}
+
 /// Stars that hardly light two by two pixels, and hot pixels between them.
 #[test]
 fn the_sharpest_stars_are_found_among_hot_pixels() {

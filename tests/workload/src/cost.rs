@@ -54,7 +54,12 @@ static IMAGE_STEPS: [Config; 4] = [
         order: Order::FilterFirst,
         ..BASE
     },
-    Config { normalize: Normalize::Noise { below: 1.0, above: 50.0 }, rescale: Rescale::R2 { alpha: 0.3 }, ..BASE },
+    Config {
+        normalize: Normalize::Noise { below: 1.0, above: 50.0 },
+        rescale: Rescale::R2 { alpha: 0.3 },
+        filter: Filter::Median,
+        ..BASE
+    },
 ];
 
 /// Percentiles and holes for the statistics; a front of two steps.

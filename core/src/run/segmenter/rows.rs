@@ -2,12 +2,12 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::{Filter, Normalize, Rescale, Scheme, Start, Tau};
+use crate::config::{Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
 use crate::front::march::March;
 use crate::front::scheme::{Evolve, Step};
 use crate::front::start;
-use crate::image::filter::{Heat, PeronaMalik};
+use crate::image::filter::AnyFilter;
 use crate::image::normalize;
 use crate::image::rescale::Rescaler;
 use crate::plane::rows::{row_of, row_of_mut};
@@ -187,13 +187,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     }
 
     pub(super) fn filter_rows(&mut self, end: usize) {
-        match self.config.filter {
-            Filter::None | Filter::Gauss | Filter::Adaptive => {}
-            Filter::Heat => self.sweep_image(&mut Heat::<A>::new(&self.config), end),
-            Filter::PeronaMalik { diffusivity, mu } => {
-                self.sweep_image(&mut PeronaMalik::<A>::new(&self.config, diffusivity, mu), end);
-            }
-        }
+        self.sweep_image(&mut AnyFilter::<A>::new(&self.config), end);
     }
 
     pub(super) fn evolve_rows(&mut self, end: usize) {

@@ -1,6 +1,6 @@
 //! Centres of wide sources, and plateaus (`default.md`, 6).
 
-use super::light::{light, opposite, place};
+use super::light::{light, opposite, place, to_part};
 use super::photon::grown;
 use super::{Judge, Plane, Regions};
 
@@ -18,7 +18,9 @@ pub fn centre(image: &Plane, smooth: &Plane, regions: &mut Regions, (noise, phot
         if upper.len() > 20 {
             let total: f64 = upper.iter().map(|&at| values[at]).sum();
             let mean = |of: fn((f64, f64)) -> f64| {
-                upper.iter().map(|&at| values[at] * of(place(at, width))).sum::<f64>() / total
+                let (peak, off) = (of(place(region.peak, width)), |at: usize| of(place(at, width)));
+                let mean = upper.iter().map(|&at| values[at] * (off(at) - peak)).sum::<f64>() / total;
+                peak + to_part(mean, judge)
             };
             let middle = (mean(|place| place.0), mean(|place| place.1));
             let is_level = |place| light(smooth, place).is_some_and(|light| judge.exceeds(light, 0.85 * top));

@@ -1,6 +1,6 @@
 //! Comparisons of numbers of which another program knows the last digits differently.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 /// How far a number may be off: a share of it, and a part that is always there.
@@ -13,13 +13,16 @@ pub struct Slack {
 }
 
 /// Decides what exceeds what. A decision that roundings leave open can be turned: what follows from it is right
-/// either way.
+/// either way. It is known by its numbers, so that what is asked twice is answered once.
 #[derive(Debug, Default)]
 pub struct Judge {
     slack: Slack,
-    turned: BTreeSet<usize>,
-    open: Cell<usize>,
+    turned: BTreeSet<Question>,
+    open: RefCell<Vec<Question>>,
 }
+
+/// Two numbers, by their bits.
+type Question = (u64, u64);
 
 impl Judge {
     /// One to whom every number is exact.
@@ -29,37 +32,36 @@ impl Judge {
 
     /// Whether `a` is above `b`.
     pub fn exceeds(&self, a: f64, b: f64) -> bool {
-        if (a - b).abs() > self.slack.absolute + self.slack.relative * (a.abs() + b.abs())
-            || self.slack == Slack::default()
-        {
+        let off = self.slack.absolute + self.slack.relative * (a.abs() + b.abs());
+        if off == 0.0 || (a - b).abs() > off {
             return a > b;
         }
-        let number = self.open.replace(self.open.get() + 1);
-        (a > b) != self.turned.contains(&number)
+        let question = (a.to_bits(), b.to_bits());
+        self.open.borrow_mut().push(question);
+        (a > b) != self.turned.contains(&question)
     }
 }
 
-/// The most open decisions that are tried.
+/// The most open decisions that are turned.
 const MOST: usize = 200;
 
 /// Of the results of `run` that roundings allow one that has the least `distance`: open decisions are turned one after
 /// the other, and stay so where that brings the result nearer.
 pub fn nearest<T>(slack: Slack, run: impl Fn(&Judge) -> T, distance: impl Fn(&T) -> usize) -> T {
-    let judged = |turned: &BTreeSet<usize>| {
-        let judge = Judge { slack, turned: turned.clone(), open: Cell::new(0) };
+    let judged = |turned: &BTreeSet<Question>| {
+        let judge = Judge { slack, turned: turned.clone(), open: RefCell::default() };
         let result = run(&judge);
-        (distance(&result), result, judge.open.get())
+        (distance(&result), result, judge.open.into_inner())
     };
-    let mut turned = BTreeSet::new();
+    let (mut turned, mut tried) = (BTreeSet::new(), BTreeSet::new());
     let (mut best, mut result, mut open) = judged(&turned);
-    let mut next = 0;
-    while best > 0 && next < open.min(MOST) {
+    while best > 0 && tried.len() < MOST {
+        let Some(next) = open.iter().copied().find(|question| tried.insert(*question)) else { break };
         turned.insert(next);
         match judged(&turned) {
-            (now, nearer, left) if now < best => (best, result, open) = (now, nearer, left),
+            (now, nearer, others) if now < best => (best, result, open) = (now, nearer, others),
             _ => drop(turned.remove(&next)),
         }
-        next += 1;
     }
     result
 }
@@ -80,6 +82,9 @@ mod tests {
         for wanted in [[false, true, true, true], [false, true, true, false], [false, false, true, true]] {
             assert_eq!(towards(wanted), wanted);
         }
+        // The same numbers are one decision.
+        let twice = |judge: &Judge| [judge.exceeds(1.0, 1.0 + 1e-9), judge.exceeds(1.0, 1.0 + 1e-9)];
+        assert_eq!(nearest(slack, twice, |found| found.iter().filter(|found| !**found).count()), [true, true]);
         assert_eq!(towards([true, true, false, false]), [false, true, true, false], "what is clear stays");
     }
 }

@@ -1,6 +1,6 @@
 //! Light between pixels, and on the other side of a centre (`default.md`, 5).
 
-use super::Plane;
+use super::{Judge, Plane};
 
 /// A place, column and row.
 pub type Place = (f64, f64);
@@ -27,6 +27,18 @@ pub fn mirrored(image: &Plane, centre: Place, from: Place) -> Option<f64> {
     light(image, opposite(centre, from))
 }
 
+/// The median of the light at the seven other places as far from a centre, 45 degrees apart.
+pub fn around(image: &Plane, centre: Place, from: Place) -> f64 {
+    let (x, y) = (from.0 - centre.0, from.1 - centre.1);
+    let turned = (1..8).map(|eighth| {
+        let (sin, cos) = (f64::from(eighth) * std::f64::consts::FRAC_PI_4).sin_cos();
+        light(image, (centre.0 + x * cos - y * sin, centre.1 + x * sin + y * cos)).unwrap_or(0.0)
+    });
+    let mut turned: Vec<f64> = turned.collect();
+    turned.sort_by(f64::total_cmp);
+    turned[3]
+}
+
 /// The pixel nearest to a place in the frame.
 pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
     light(image, place)?;
@@ -34,8 +46,15 @@ pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
     Some(round(place.1) * image.width() + round(place.0))
 }
 
+/// The nearest whole part of 256 of a pixel.
+pub fn to_part(offset: f64, judge: &Judge) -> f64 {
+    let below = (256.0 * offset).floor();
+    let border = (below + 0.5) / 256.0;
+    (below + f64::from(u8::from(judge.exceeds(offset, border) || offset == border))) / 256.0
+}
+
 /// The vertex of the parabolas through a pixel and its neighbours along each axis.
-pub fn vertex(image: &Plane, at: usize) -> Place {
+pub fn vertex(image: &Plane, at: usize, judge: &Judge) -> Place {
     let (width, height) = (image.width(), image.height());
     let (x, y) = (at % width, at / width);
     let v = image.around(x as isize, y as isize);
@@ -44,5 +63,6 @@ pub fn vertex(image: &Plane, at: usize) -> Place {
         let inner = at > 0 && at + 1 < length && bend > 0.0;
         if inner { (0.5 * (after - before) / bend).clamp(-0.5, 0.5) } else { 0.0 }
     };
-    (x as f64 + off(v.w, v.e, x, width), y as f64 + off(v.s, v.n, y, height))
+    let (along, up) = (off(v.w, v.e, x, width), off(v.s, v.n, y, height));
+    (x as f64 + to_part(along, judge), y as f64 + to_part(up, judge))
 }

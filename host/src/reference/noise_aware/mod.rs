@@ -27,34 +27,41 @@ pub use reopen::{Scene, Typical};
 pub use select::{Cut, cut, matched, select};
 pub use signal::{has_signal, signal, without_spikes};
 pub use sky::{Mesh, Seen, Sky};
-pub use smooth::{MASKED, Tail, by_need, marks, sharpened, smoothed};
-pub use tree::{Region, Regions, tree};
+pub use smooth::{MASKED, Tail, by_need, marks, sharpened, smoothed, spline};
+pub use tree::{Region, Regions, components, tree};
 
-use super::{Connectivity, Plane};
+use super::{Connectivity, Plane, ReferenceError};
 
-/// What is asked of sources; `default.md` has the options' names.
+/// How signal-to-noise is smoothed before a front starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothing {
+    /// Not at all.
+    None,
+    /// The fine image.
+    Fine,
+    /// By need.
+    ByNeed,
+}
+
+/// What is asked of sky and sources; `default.md` has the options' names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
+    /// Pixels along a side of a cell of the sky.
+    pub cell: usize,
+    /// `--filter`.
+    pub smoothing: Smoothing,
     /// `--threshold`.
     pub threshold: f64,
     /// `--outline-steps`.
     pub steps: u32,
     /// `--outline-curvature`.
     pub curvature: f64,
-    /// `--min-peak`.
-    pub peak: f64,
-    /// `--false-sources`.
-    pub false_sources: f64,
-    /// `--false-share`.
-    pub false_share: f64,
+    /// Whether sources are parts of the tree; else they are connected components.
+    pub by_tree: bool,
     /// `--deblend-light`.
     pub branch: f64,
     /// `--deblend-contrast`.
     pub contrast: f64,
-    /// `--min-light`.
-    pub light: f64,
-    /// `--min-area`.
-    pub min_area: usize,
     /// `--deblend-excess`.
     pub excess: f64,
     /// `--deblend-area`.
@@ -63,6 +70,18 @@ pub struct Settings {
     pub sharpening: f64,
     /// Which pixels touch.
     pub connectivity: Connectivity,
+    /// Whether sources must be significant; else they need their area only.
+    pub by_significance: bool,
+    /// `--min-area`.
+    pub min_area: usize,
+    /// `--min-peak`.
+    pub peak: f64,
+    /// `--false-sources`.
+    pub false_sources: f64,
+    /// `--false-share`.
+    pub false_share: f64,
+    /// `--min-light`.
+    pub light: f64,
 }
 
 /// What a run computed on its way.
@@ -81,7 +100,7 @@ pub struct Found {
     /// The photon noise.
     pub photon: f64,
     /// The front.
-    pub front: Plane,
+    pub front: Moved,
     /// The cut on significance.
     pub cut: Cut,
     /// The sources.
@@ -90,50 +109,100 @@ pub struct Found {
     pub sources: u32,
 }
 
-/// Runs the whole default; `None` where nothing is defined or nothing is known of the sky.
-pub fn run(settings: &Settings, pixels: &[f64], width: usize) -> Option<Found> {
-    let (judge, height) = (&Judge::exact(), pixels.len() / width);
+/// A front at its end.
+#[derive(Clone, Debug)]
+pub struct Moved {
+    /// Above 0 inside.
+    pub u: Plane,
+    /// Its steps.
+    pub steps: u32,
+    /// Its time.
+    pub t: f64,
+}
+
+/// The front of the default over the smoothed image, with the fine image for its force.
+pub fn region_front(settings: &Settings, image: &Plane, fine: &Plane) -> Moved {
+    let step = |u: Plane, _| step(&u, fine, settings.threshold, settings.curvature, FLAT);
+    let u = (0..settings.steps).fold(start(image, settings.threshold), step);
+    Moved { u, steps: settings.steps, t: f64::from(settings.steps) * STEP }
+}
+
+/// Runs a whole configuration with the front that `moved` makes of the smoothed image and the fine one.
+///
+/// # Errors
+/// [`ReferenceError::NoSky`], or what `moved` finds wrong.
+pub fn run(
+    settings: &Settings,
+    pixels: &[f64],
+    width: usize,
+    moved: impl Fn(&Plane, &Plane) -> Result<Moved, ReferenceError>,
+) -> Result<Found, ReferenceError> {
+    let (judge, size) = (&Judge::exact(), (width, pixels.len() / width));
     let facts = Facts::of(pixels, width);
     let defined: Vec<bool> = pixels.iter().map(|&pixel| facts.defines(pixel)).collect();
     let signals = has_signal(&defined, width);
     let mut masked: Vec<bool> = signals.iter().map(|signal| !signal).collect();
-    let mut before = None;
+    let mut mesh = Mesh::unknown(size, settings.cell);
     for round in 0.. {
-        let seen = seen(&defined, &masked);
-        let mesh = Mesh::measure(pixels, &seen, (width, height), &facts, before.as_ref(), 1.0);
-        mesh.cells.iter().find(|cell| cell.is_some_and(|sky| sky.noise > 0.0))?;
+        mesh = mesh.measure(pixels, &seen(&defined, &masked), &facts, 0.0);
+        if !mesh.cells.iter().any(|cell| cell.is_some_and(|sky| sky.noise > 0.0)) {
+            break;
+        }
         let signal = without_spikes(&signal(pixels, &defined, &mesh, width), judge);
         let fine = smoothed(&signal, 0.8);
         let tail = Tail::of(fine.values(), &masked, facts.cut_off);
-        let smooth = by_need(&fine, &masked, facts.cut_off, judge);
+        let smooth = by_need(&fine, &masked, facts.cut_off);
         if round < 2 {
-            let peak = tail.raised(3.5) * tail.noise;
-            let marks = marks(&fine, &smooth, settings.threshold, peak, judge);
+            let marks = marks(&fine, &smooth, settings.threshold, tail.raised(3.5) * tail.noise, judge);
             masked = marks.values().iter().zip(&signals).map(|(&mark, signal)| mark > MASKED || !signal).collect();
-            before = Some(mesh);
             continue;
         }
         let photon = photon_noise(&signal, &fine, &masked);
-        let front = (0..settings.steps).fold(start(&smooth, settings.threshold), |u, _| {
-            step(&u, &fine, settings.threshold, settings.curvature, FLAT)
-        });
-        let inside: Vec<bool> = front.values().iter().zip(&signals).map(|(&u, &signal)| u > 0.0 && signal).collect();
-        let image = sharpened(&fine, 1.5, settings.sharpening);
-        let mut regions = tree(&image, &inside, photon, settings, judge);
-        centre(&image, &smooth, &mut regions, (tail.noise, photon), judge);
-        let typical = Typical::of(&image, &regions, tail.noise);
-        let scene = Scene { image: &image, typical: &typical, noise: tail.noise, photon, settings, judge };
-        (0..2).for_each(|_| scene.reopen(&mut regions));
-        compete(&image, &mut regions, judge);
-        (0..2).for_each(|_| regions.labels = straighten(&regions.labels, width));
-        regions.labels = connect(&regions, width);
-        regions.labels.iter_mut().zip(&defined).filter(|(_, defined)| !**defined).for_each(|(label, _)| *label = 0);
+        let image = match settings.smoothing {
+            Smoothing::None => &signal,
+            Smoothing::Fine => &fine,
+            Smoothing::ByNeed => &smooth,
+        };
+        let front = moved(image, &fine)?;
+        let inside: Vec<bool> = front.u.values().iter().zip(&signals).map(|(&u, &signal)| u > 0.0 && signal).collect();
+        let mut regions = if settings.by_tree {
+            let image = sharpened(&fine, 1.5, settings.sharpening);
+            let mut regions = tree(&image, &inside, photon, settings, judge);
+            deblend(&image, &smooth, &mut regions, (tail.noise, photon), settings, judge);
+            regions
+        } else {
+            components(&inside, width, settings.connectivity)
+        };
+        drop_undefined(&mut regions.labels, &defined);
         let matched = matched(&signal);
         let cut = cut(&signal, &matched, &masked, facts.cut_off, &regions, settings, judge);
         let (labels, sources) = select(&signal, &matched, &regions, cut.least, settings, judge);
-        return Some(Found { facts, mesh, signal, smooth, masked, photon, front, cut, labels, sources });
+        return Ok(Found { facts, mesh, signal, smooth, masked, photon, front, cut, labels, sources });
     }
-    None
+    Err(ReferenceError::NoSky)
+}
+
+/// Everything that becomes of the regions of the tree.
+pub fn deblend(
+    image: &Plane,
+    smooth: &Plane,
+    regions: &mut Regions,
+    (noise, photon): (f64, f64),
+    settings: &Settings,
+    judge: &Judge,
+) {
+    centre(image, smooth, regions, (noise, photon), judge);
+    let typical = Typical::of(image, regions, noise);
+    let scene = Scene { image, typical: &typical, noise, photon, settings, judge };
+    (0..2).for_each(|_| scene.reopen(regions));
+    compete(image, regions, judge);
+    (0..2).for_each(|_| regions.labels = straighten(&regions.labels, image.width()));
+    regions.labels = connect(regions, image.width());
+}
+
+/// Takes undefined pixels out of sources.
+pub fn drop_undefined(labels: &mut [u32], defined: &[bool]) {
+    labels.iter_mut().zip(defined).filter(|(_, defined)| !**defined).for_each(|(label, _)| *label = 0);
 }
 
 /// What each pixel is to the sky.

@@ -1,6 +1,6 @@
 //! What hosts do not explain (`default.md`, 6).
 
-use super::light::{Place, light, mirrored, nearest, opposite, place};
+use super::light::{Place, around, light, mirrored, nearest, opposite, place};
 use super::photon::grown;
 use super::{Judge, Plane, Region, Regions, Settings, neighbours};
 
@@ -44,7 +44,7 @@ impl Typical {
 /// What `other` alone has at a place.
 pub fn alone(image: &Plane, [host, other]: [Place; 2], at: Place) -> Option<f64> {
     let across = opposite(other, at);
-    let theirs = light(image, opposite(host, across)).unwrap_or(0.0);
+    let theirs = light(image, opposite(host, across)).unwrap_or(0.0).min(around(image, host, across));
     light(image, across).map(|light| (light - theirs).max(0.0))
 }
 

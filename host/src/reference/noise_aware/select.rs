@@ -39,6 +39,9 @@ fn sums(signal: &Plane, matched: &Plane, regions: &Regions) -> Vec<Sums> {
 /// Whether each region is a source at a cut.
 fn sources(sums: &[Sums], regions: &Regions, least: f64, settings: &Settings, judge: &Judge) -> Vec<bool> {
     let is_source = |(sum, region): (&Sums, &super::Region)| {
+        if !settings.by_significance {
+            return sum.area >= settings.min_area.max(1);
+        }
         let part = settings.min_area + 2 * settings.min_area / 3;
         let area = if region.divided.is_some() { part } else { settings.min_area };
         sum.area >= area && !judge.exceeds(least, sum.peak) && !judge.exceeds(settings.light, sum.light)
@@ -69,12 +72,20 @@ pub fn cut(
 ) -> Cut {
     let values = matched.values();
     let tail = Tail::of(values, masked, cut_off);
-    let next = values.iter().skip(1).chain([&0.0]);
-    let steps: Vec<f64> = values.iter().zip(next).map(|(own, next)| next - own).collect();
+    let width = matched.width();
+    let step = |at: usize| {
+        let next = if (at + 1).is_multiple_of(width) { at.checked_sub(1) } else { Some(at + 1) };
+        next.map_or(0.0, |next| values[next]) - values[at]
+    };
+    let steps: Vec<f64> = (0..values.len()).map(step).collect();
     let slope = Tail::of(&steps, masked, cut_off).noise;
     let roughness = if tail.noise > 0.0 { slope / tail.noise } else { 0.0 };
     let elements = values.len() as f64 * roughness * roughness;
     let sums = sums(signal, matched, regions);
+    // Of a significance that is not asked for.
+    if !settings.by_significance {
+        return Cut { significance: 0.0, least: 0.0 };
+    }
     let (mut allowed, mut cut) = (settings.false_sources, Cut { significance: 0.0, least: 0.0 });
     for _ in 0..4 {
         let significance = tail.raised(height(elements, allowed));

@@ -28,32 +28,25 @@ pub struct Mesh {
     columns: usize,
     rows: usize,
     size: (usize, usize),
-    /// Row-major; `None` where nothing is known anywhere.
+    /// Row-major; `None` where nothing is known.
     pub cells: Vec<Option<Sky>>,
 }
 
-/// Cells along an axis.
-fn along(length: usize) -> usize {
-    ((length + 32) / 64).clamp(1, 64)
+/// Cells of a side along an axis.
+fn along(length: usize, side: usize) -> usize {
+    ((length + side / 2) / side).clamp(1, 64)
 }
 
 impl Mesh {
-    /// A mesh of known cells.
-    pub fn over((width, height): (usize, usize), cells: Vec<Option<Sky>>) -> Mesh {
-        Mesh { columns: along(width), rows: along(height), size: (width, height), cells }
+    /// A mesh over a frame whose cells have about so many pixels along each side.
+    pub fn over((width, height): (usize, usize), side: usize, cells: Vec<Option<Sky>>) -> Mesh {
+        Mesh { columns: along(width, side), rows: along(height, side), size: (width, height), cells }
     }
 
-    /// Measures the cells of a frame with pixels in rows; `before` is the mesh of the round before. `reach` is 1, or a
-    /// little off that to see what hangs on a rounding where values are clipped.
-    pub fn measure(
-        pixels: &[f64],
-        seen: &[Seen],
-        size: (usize, usize),
-        facts: &Facts,
-        before: Option<&Mesh>,
-        reach: f64,
-    ) -> Mesh {
-        let mut mesh = Mesh::over(size, Vec::new());
+    /// Measures anew the cells of a frame with pixels in rows; in a mesh of the first round nothing is known. `off` is
+    /// 0, or a share of the numbers by which a decision to clip may be off.
+    pub fn measure(&self, pixels: &[f64], seen: &[Seen], facts: &Facts, off: f64) -> Mesh {
+        let mut mesh = Mesh { cells: Vec::new(), ..*self };
         let cells: Vec<Vec<usize>> = (0..mesh.columns * mesh.rows).map(|cell| mesh.pixels(cell)).collect();
         let count = |cell: &[usize], what: fn(Seen) -> bool| cell.iter().filter(|&&at| what(seen[at])).count();
         let enough = |cell: &[usize]| {
@@ -64,13 +57,16 @@ impl Mesh {
         let crowded = 2 * cells.iter().filter(|cell| enough(cell)).count() < seen_at_all;
         for (index, cell) in cells.iter().enumerate() {
             let sky = || cell.iter().filter(|&&at| seen[at] == Seen::Sky).map(|&at| pixels[at] + 0.0).collect();
-            mesh.cells.push(match before {
-                _ if enough(cell) => Some(clipped(sky(), facts, reach)),
-                Some(before) if crowded => before.cells[index],
-                _ => None,
-            });
+            let known = || self.cells[index].filter(|_| crowded);
+            mesh.cells.push(if enough(cell) { Some(clipped(sky(), facts, off)) } else { known() });
         }
         mesh.filled().smoothed()
+    }
+
+    /// The mesh of which nothing is known yet.
+    pub fn unknown(size: (usize, usize), side: usize) -> Mesh {
+        let mesh = Mesh::over(size, side, Vec::new());
+        Mesh { cells: vec![None; mesh.columns * mesh.rows], ..mesh }
     }
 
     /// The pixels of a cell.
@@ -144,7 +140,7 @@ fn beyond(at: isize, cells: usize, straight: f64, value: impl Fn(isize) -> f64) 
 }
 
 /// Level and noise among the values of a cell.
-fn clipped(mut values: Vec<f64>, facts: &Facts, reach: f64) -> Sky {
+fn clipped(mut values: Vec<f64>, facts: &Facts, off: f64) -> Sky {
     values.sort_by(f64::total_cmp);
     let n = values.len();
     let step = clump(&values).filter(|&wide| wide > 1.5 * facts.step && clumps(&values, wide)).unwrap_or(facts.step);
@@ -163,7 +159,8 @@ fn clipped(mut values: Vec<f64>, facts: &Facts, reach: f64) -> Sky {
     let mut noise = (1.4826 * width).max(least);
     let (mut centre, mut middle, mut mean, mut kept) = (middle, middle, middle, &values[..]);
     for _ in 0..10 {
-        let distance = (if cut_off { 5.0 } else { 3.0 } * noise).max(1.5 * step) * reach;
+        let distance = (if cut_off { 5.0 } else { 3.0 } * noise).max(1.5 * step);
+        let distance = distance + off * (centre.abs() + distance);
         let near = |v: &f64| (v - centre).abs() <= distance;
         let inside = match (kept.iter().position(near), kept.iter().rposition(near)) {
             (Some(first), Some(last)) if last - first + 1 >= 8 => &kept[first..=last],

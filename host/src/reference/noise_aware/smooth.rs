@@ -36,14 +36,20 @@ pub fn sharpened(plane: &Plane, scale: f64, part: f64) -> Plane {
     Plane::from_fn(plane.width(), plane.height(), |i, j| plane.at(i, j) + part * (plane.at(i, j) - smooth.at(i, j)))
 }
 
-/// Smoothed beyond the fine image where nothing significant is lost.
-pub fn by_need(fine: &Plane, masked: &[bool], cut_off: bool, judge: &Judge) -> Plane {
+/// The fine image smoothed by the spline, and the least difference of the two that is kept.
+pub fn spline(fine: &Plane, masked: &[bool], cut_off: bool) -> (Plane, f64) {
     let spline = convolved(fine, &[6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0]);
     let detail: Vec<f64> = fine.values().iter().zip(spline.values()).map(|(fine, smooth)| fine - smooth).collect();
     let least = 1.7 * Tail::of(&detail, masked, cut_off).noise;
+    (spline, least)
+}
+
+/// Smoothed beyond the fine image where nothing significant is lost.
+pub fn by_need(fine: &Plane, masked: &[bool], cut_off: bool) -> Plane {
+    let (spline, least) = spline(fine, masked, cut_off);
     Plane::from_fn(fine.width(), fine.height(), |i, j| {
         let (fine, smooth) = (fine.at(i, j), spline.at(i, j));
-        if judge.exceeds(least, (fine - smooth).abs()) { smooth } else { fine }
+        if (fine - smooth).abs() < least { smooth } else { fine }
     })
 }
 

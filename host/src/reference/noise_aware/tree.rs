@@ -1,8 +1,9 @@
 //! The tree of level sets (`default.md`, 5).
 
-use super::light::{mirrored, place, vertex};
+use super::super::segments::label;
+use super::light::{around, mirrored, nearest, opposite, place, vertex};
 use super::photon::grown;
-use super::{Judge, Plane, Settings, neighbours};
+use super::{Connectivity, Judge, Plane, Settings, neighbours};
 
 /// What may become a source.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +55,14 @@ impl Regions {
     }
 }
 
-/// The regions of the pixels `inside`.
+/// The connected components of the pixels `inside`.
+pub fn components(inside: &[bool], width: usize, connectivity: Connectivity) -> Regions {
+    let (labels, count) = label(inside, width, connectivity, 1);
+    let blank = Region { peak: 0, value: 0.0, area: 0, sum: 0.0, centre: (0.0, 0.0), plateau: false, divided: None };
+    Regions { labels, table: vec![blank; count as usize] }
+}
+
+/// The parts of the pixels `inside`.
 pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, judge: &Judge) -> Regions {
     let (width, height, values) = (image.width(), image.height(), image.values());
     let mut order: Vec<usize> = (0..values.len()).filter(|&at| inside[at]).collect();
@@ -81,7 +89,7 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
             let value = values[at];
             taken[at] = Some(table.len());
             hosts.push(table.len());
-            let centre = vertex(image, at);
+            let centre = vertex(image, at, judge);
             table.push(Region { peak: at, value, area: 1, sum: value, centre, plateau: false, divided: None });
             continue;
         };
@@ -91,7 +99,8 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
         let host = meeting[0];
         for &other in &meeting[1..] {
             let faint = table[other].clone();
-            if stands_apart(image, [&table[host], &faint], values[at], photon, settings, judge) {
+            let is_foreign = |near: usize| taken[near].is_some() && host_of(&hosts, near) != host;
+            if stands_apart((image, &is_foreign), [&table[host], &faint], values[at], photon, settings, judge) {
                 let peak = table[host].peak;
                 table[other].divide(image, peak);
                 table[host].divide(image, faint.peak);
@@ -120,9 +129,10 @@ pub fn tree(image: &Plane, inside: &[bool], photon: f64, settings: &Settings, ju
     Regions { labels: (0..values.len()).map(|at| label(at).unwrap_or(0)).collect(), table }
 }
 
-/// Whether the fainter of two regions that meet stays a source of its own.
+/// Whether the fainter of two regions that meet stays a source of its own; `is_foreign` tells the pixels of
+/// any region but the brighter.
 fn stands_apart(
-    image: &Plane,
+    (image, is_foreign): (&Plane, &dyn Fn(usize) -> bool),
     [bright, faint]: [&Region; 2],
     saddle: f64,
     photon: f64,
@@ -131,7 +141,11 @@ fn stands_apart(
 ) -> bool {
     let (above, noise, width) = (faint.sum - saddle * faint.area as f64, grown(photon, saddle), image.width());
     let is_own = |at: &usize| {
-        let host = mirrored(image, bright.centre, place(*at, width)).unwrap_or(0.0);
+        let place = place(*at, width);
+        let mut host = mirrored(image, bright.centre, place).unwrap_or(0.0);
+        if nearest(image, opposite(bright.centre, place)).is_some_and(is_foreign) {
+            host = host.min(around(image, bright.centre, place));
+        }
         judge.exceeds(image.values()[*at], 2.0 * host)
     };
     faint.area >= 3
@@ -140,6 +154,6 @@ fn stands_apart(
         && judge.exceeds(faint.value - saddle, noise.max(0.15 * saddle))
         && {
             let around = neighbours(faint.peak, width, image.height(), 8);
-            around.into_iter().chain([faint.peak]).filter(is_own).count() >= 3
+            around.into_iter().chain([faint.peak]).filter(is_own).count() >= 5
         }
 }

@@ -1,0 +1,277 @@
+//! An image in parts, each segmented on its own with what all of them know together.
+//!
+//! A run over a part ends when it comes to a question that has no answer yet, and tells what the part contributes. The
+//! contributions of all parts become the answer, in any order of parts; then every run begins anew, until none is left.
+
+use skyfront_core::plane::part::{CELL_WORDS, Part, Question, Whole};
+use skyfront_core::sources::typical::{MOST, RECORD};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The answers so far, by the name of the question; little-endian words or sums.
+#[derive(Clone, Debug, Default)]
+pub struct Answers(BTreeMap<String, Answer>);
+
+#[derive(Clone, Debug)]
+enum Answer {
+    Words(Vec<u32>),
+    Sums([f64; 4]),
+}
+
+/// How the contributions to a question become its answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Added.
+    Sums,
+    /// All keys, the least first.
+    Sorted,
+    /// All records of so many words, by the first word and then the second; the first ones only.
+    Records { words: usize, most: usize },
+}
+
+impl Kind {
+    /// Of the question with this name.
+    fn of(name: &str) -> Kind {
+        let word = name.split('(').next().unwrap_or(name);
+        match word {
+            "Filling" | "Defined" => Kind::Sums,
+            _ if word.ends_with("Powers") => Kind::Sums,
+            "Cells" => Kind::Records { words: CELL_WORDS, most: usize::MAX },
+            "Typical" => Kind::Records { words: RECORD, most: MOST },
+            _ => Kind::Sorted,
+        }
+    }
+}
+
+/// The answer to the question with this name, of the contributions of all parts.
+pub fn answer(name: &str, contributions: &[Vec<u8>]) -> Vec<u8> {
+    let words = || contributions.iter().flat_map(|bytes| words(bytes)).collect::<Vec<u32>>();
+    match Kind::of(name) {
+        Kind::Sums => {
+            let add = |sum: [f64; 4], own: [f64; 4]| std::array::from_fn(|index| sum[index] + own[index]);
+            let sum = contributions.iter().map(|bytes| sums(bytes)).fold([0.0; 4], add);
+            sum.iter().flat_map(|value| value.to_le_bytes()).collect()
+        }
+        Kind::Sorted => {
+            let mut keys = words();
+            keys.sort_unstable();
+            bytes(keys)
+        }
+        Kind::Records { words: length, most } => {
+            let all = words();
+            let mut records: Vec<&[u32]> = all.chunks_exact(length).collect();
+            records.sort_by_key(|record| (record[0], record[1]));
+            bytes(records.into_iter().take(most).flatten().copied())
+        }
+    }
+}
+
+fn bytes(words: impl IntoIterator<Item = u32>) -> Vec<u8> {
+    words.into_iter().flat_map(u32::to_le_bytes).collect()
+}
+
+fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
+    bytes.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word))
+}
+
+fn sums(bytes: &[u8]) -> [f64; 4] {
+    let mut sums = [0.0; 4];
+    sums.iter_mut().zip(bytes.as_chunks::<8>().0).for_each(|(sum, bytes)| *sum = f64::from_le_bytes(*bytes));
+    sums
+}
+
+impl Answers {
+    /// Takes the answer to a question.
+    pub fn take(&mut self, name: &str, bytes: &[u8]) {
+        let answer = match Kind::of(name) {
+            Kind::Sums => Answer::Sums(sums(bytes)),
+            _ => Answer::Words(words(bytes).collect()),
+        };
+        self.0.insert(name.to_owned(), answer);
+    }
+}
+
+/// A part that asks.
+#[derive(Debug)]
+pub struct Asking<'a> {
+    part: Part,
+    answers: &'a Answers,
+    own: Mutex<Vec<(String, Vec<u8>)>>,
+}
+
+impl<'a> Asking<'a> {
+    /// With the answers so far.
+    pub fn new(part: Part, answers: &'a Answers) -> Asking<'a> {
+        Asking { part, answers, own: Mutex::default() }
+    }
+
+    /// What the part contributes to the questions that had no answer.
+    pub fn contributions(self) -> Vec<(String, Vec<u8>)> {
+        self.own.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn own(&self) -> MutexGuard<'_, Vec<(String, Vec<u8>)>> {
+        self.own.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn get(&self, question: Question) -> Option<&Answer> {
+        self.answers.0.get(&name(question))
+    }
+
+    fn contribute(&self, question: Question, own: Vec<u8>) {
+        self.own().push((name(question), own));
+    }
+}
+
+fn name(question: Question) -> String {
+    format!("{question:?}")
+}
+
+impl Whole for Asking<'_> {
+    fn part(&self) -> Part {
+        self.part.clone()
+    }
+
+    fn words(&self, question: Question, own: &mut dyn Iterator<Item = u32>) -> Option<&[u32]> {
+        match self.get(question) {
+            Some(Answer::Words(words)) => Some(words),
+            _ => {
+                self.contribute(question, bytes(own));
+                None
+            }
+        }
+    }
+
+    fn sums(&self, question: Question, own: &mut dyn FnMut() -> [f64; 4]) -> Option<[f64; 4]> {
+        match self.get(question) {
+            Some(Answer::Sums(sums)) => Some(*sums),
+            _ => {
+                self.contribute(question, own().iter().flat_map(|value| value.to_le_bytes()).collect());
+                None
+            }
+        }
+    }
+
+    fn knows(&self, question: Question) -> bool {
+        self.get(question).is_some()
+    }
+
+    fn is_waiting(&self) -> bool {
+        !self.own().is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::{Drive, Segmentation, segment};
+    use skyfront_core::config::Config;
+    use skyfront_core::error::Error;
+    use skyfront_core::simulate::Kind as Sky;
+
+    const WIDTH: usize = 420;
+    const HEIGHT: usize = 390;
+    const DEPTH: usize = 64;
+
+    /// The parts of an image that is divided at a column and a row.
+    fn parts(at: (usize, usize)) -> Vec<Part> {
+        let sides = |at: usize, length: usize| [(0, at), (at, length)];
+        let one = |(left, right): (usize, usize), (bottom, top): (usize, usize)| {
+            let origin = (left.saturating_sub(DEPTH), bottom.saturating_sub(DEPTH));
+            Part {
+                image: (WIDTH, HEIGHT),
+                origin,
+                columns: left - origin.0..right - origin.0,
+                rows: bottom - origin.1..top - origin.1,
+            }
+        };
+        sides(at.1, HEIGHT).into_iter().flat_map(|rows| sides(at.0, WIDTH).map(|columns| one(columns, rows))).collect()
+    }
+
+    /// The pixels of a part with those around it, and its width.
+    fn cut(image: &[f32], part: &Part) -> (Vec<f32>, usize) {
+        let right = (part.origin.0 + part.columns.end + DEPTH).min(WIDTH);
+        let top = (part.origin.1 + part.rows.end + DEPTH).min(HEIGHT);
+        let rows = (part.origin.1..top).flat_map(|y| &image[y * WIDTH + part.origin.0..y * WIDTH + right]);
+        (rows.copied().collect(), right - part.origin.0)
+    }
+
+    /// The first pixel of the source of every pixel, 0 for none, as the parts find it together; and how often they asked.
+    fn in_parts(config: &Config, image: &[f32], at: (usize, usize)) -> (Vec<usize>, usize) {
+        let (parts, mut answers, mut rounds) = (parts(at), Answers::default(), 0);
+        loop {
+            let mut asked: BTreeMap<String, Vec<Vec<u8>>> = BTreeMap::new();
+            let mut firsts = vec![0; WIDTH * HEIGHT];
+            for part in &parts {
+                let (pixels, width) = cut(image, part);
+                let whole = Asking::new(part.clone(), &answers);
+                let mut drive = Drive { whole: Some(&whole), ..Drive::default() };
+                match segment(config, &pixels, width, pixels.len() / width, &mut drive) {
+                    Err(Error::Waiting) => {}
+                    Err(error) => panic!("{error}"),
+                    Ok(run) => paste(&run, part, &mut firsts),
+                }
+                whole.contributions().into_iter().for_each(|(name, own)| asked.entry(name).or_default().push(own));
+            }
+            if asked.is_empty() {
+                return (firsts, rounds);
+            }
+            rounds += 1;
+            asked.iter().for_each(|(name, own)| answers.take(name, &answer(name, own)));
+        }
+    }
+
+    fn paste(run: &Segmentation, part: &Part, firsts: &mut [usize]) {
+        let first = firsts_of(&run.labels, run.width, |place| part.place(place));
+        for at in part.own(run.width) {
+            let (x, y) = part.place((at % run.width, at / run.width));
+            firsts[y * WIDTH + x] = first[run.labels[at] as usize];
+        }
+    }
+
+    /// Of every label the index of its first pixel in the image, from 1.
+    fn firsts_of(labels: &[u32], width: usize, place: impl Fn((usize, usize)) -> (usize, usize)) -> Vec<usize> {
+        let mut firsts = vec![0; labels.iter().max().map_or(1, |&most| most as usize + 1)];
+        for (at, &label) in labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+            let (x, y) = place((at % width, at / width));
+            if firsts[label as usize] == 0 {
+                firsts[label as usize] = y * WIDTH + x + 1;
+            }
+        }
+        firsts
+    }
+
+    #[test]
+    fn parts_find_together_what_one_piece_has() {
+        for (kind, seed) in [(Sky::Noisy, 1), (Sky::Stars, 2), (Sky::Bright, 3)] {
+            let mut image = crate::truth::simulated(kind, seed, WIDTH, HEIGHT).0.pixels;
+            // A slope, a hole, and a frame of filling.
+            image.iter_mut().enumerate().for_each(|(at, pixel)| *pixel += (at % WIDTH) as f32 * 0.01);
+            image[150 * WIDTH + 200] = f32::NAN;
+            image.chunks_exact_mut(WIDTH).for_each(|row| row[..9].fill(0.0));
+            let config = Config::NOISE_AWARE;
+            let whole = segment(&config, &image, WIDTH, HEIGHT, &mut Drive::default()).expect("an image");
+            let expected = firsts_of(&whole.labels, WIDTH, |place| place);
+            let expected: Vec<usize> = whole.labels.iter().map(|&label| expected[label as usize]).collect();
+            for at in [(200, 190), (133, 301)] {
+                let (found, rounds) = in_parts(&config, &image, at);
+                let other = found.iter().zip(&expected).filter(|(found, expected)| found != expected).count();
+                assert_eq!(other, 0, "{other} pixels differ, {kind:?} at {at:?}");
+                assert!(rounds < 16, "{rounds}");
+            }
+            assert!(whole.outcome.sources > 3);
+        }
+    }
+
+    #[test]
+    fn answers_do_not_depend_on_the_order_of_parts() {
+        let parts = [bytes([5, 1]), bytes([3]), Vec::new()];
+        let back: Vec<Vec<u8>> = parts.iter().rev().cloned().collect();
+        assert_eq!(answer("Fine(2)", &parts), bytes([1, 3, 5]));
+        assert_eq!(answer("Fine(2)", &back), answer("Fine(2)", &parts));
+        let cells = [bytes([1, 9, 9, 9, 9, 9]), bytes([0, 7, 7, 7, 7, 7])];
+        assert_eq!(answer("Cells(0)", &cells), bytes([0, 7, 7, 7, 7, 7, 1, 9, 9, 9, 9, 9]));
+        let one = [1.0f64, 2.0, 0.0, 0.0].iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+        assert_eq!(sums(&answer("FinePowers(0)", &[one.clone(), one])), [2.0, 4.0, 0.0, 0.0]);
+    }
+}

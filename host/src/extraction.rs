@@ -5,6 +5,7 @@ use crate::evolution::segment_in;
 use crate::nothing::without_front;
 use crate::remarks;
 use crate::segmentation::{Drive, Segmentation, StagePlanes};
+use crate::workers::Threads;
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
@@ -26,7 +27,10 @@ pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static
     [
         (2 * plane, "the image, and the level that is kept of it"),
         (9 * plane, "nine planes to work in"),
-        (regions(width, height) * size_of::<Region<f32>>(), "table of regions"),
+        (
+            regions(width, height) * size_of::<Region<f32>>(),
+            "table of regions; a fifth of it is enough but for images full of specks",
+        ),
         (mesh_cells(width, height, config.sky.cell()) * size_of::<Sky>(), "mesh of the sky"),
     ]
 }
@@ -44,6 +48,11 @@ pub mod shown {
     }
 }
 
+/// Of so many pixels one is a region's peak, at most, but for images full of specks.
+const PIXELS_OF_REGION: usize = 16;
+/// A table of so few regions is not worth sparing.
+const LEAST_REGIONS: usize = 1 << 16;
+
 /// Segments an image, row-major, NaN = undefined, in `L`; a front that is not the region's own moves in `A`.
 ///
 /// # Errors
@@ -54,6 +63,34 @@ pub fn segment<A: Arithmetic, L: Level>(
     width: usize,
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
+    let few = (pixels.len() / PIXELS_OF_REGION).max(LEAST_REGIONS);
+    with_few_regions::<A, L>(config, pixels, width, drive, few)
+}
+
+/// The same in a table of a few regions or, where the image has more, again in one that has room for all.
+fn with_few_regions<A: Arithmetic, L: Level>(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    drive: &mut Drive<'_>,
+    few: usize,
+) -> Result<Segmentation, Error> {
+    let all = regions(width, pixels.len() / width.max(1));
+    let run = in_room::<A, L>(config, pixels, width, drive, few.min(all))?;
+    if run.outcome.unlabelled == 0 || few >= all {
+        return Ok(run);
+    }
+    drop(run);
+    in_room::<A, L>(config, pixels, width, drive, all)
+}
+
+fn in_room<A: Arithmetic, L: Level>(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    drive: &mut Drive<'_>,
+    regions: usize,
+) -> Result<Segmentation, Error> {
     let count = pixels.len();
     let height = count / width.max(1);
     let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
@@ -61,7 +98,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     let (image, origin) =
         drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
     let mut mesh = vec![Sky::UNKNOWN; mesh_cells(image.0, image.1, config.sky.cell())];
-    let mut table = vec![Region::<L>::BLANK; regions(width, height)];
+    let mut table = vec![Region::<L>::BLANK; regions];
     let work = Workspace {
         signal: &mut signal,
         fine: &mut fine,
@@ -78,7 +115,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     let known =
         Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
     let mut run = Extractor::new(config, pixels, width, known, work)?;
-    let (mut seconds, mut moved) = (Vec::new(), None);
+    let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
     let found = loop {
         let started = Instant::now();
         match run.progress() {
@@ -87,7 +124,7 @@ pub fn segment<A: Arithmetic, L: Level>(
                 if let Some(watch) = &mut drive.watch {
                     watch(&Working { stage, pass: 0, row: 0, last_change: 0.0 });
                 }
-                run.poll()?;
+                run.poll_by(&crew)?;
                 seconds.push((stage, started.elapsed()));
             }
             Progress::Front => {
@@ -200,4 +237,29 @@ fn with_front(run: Segmentation, found: &Found, moved: Option<Segmentation>) -> 
 /// A plane in single precision, in its own memory.
 fn in_f32<L: Level>(plane: Vec<L>) -> Vec<f32> {
     plane.into_iter().map(L::to_f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyfront_core::arithmetic::F32;
+    use skyfront_core::run::frame::Frame;
+    use skyfront_core::simulate::{Kind, Sky as Simulated};
+
+    #[test]
+    fn a_table_that_is_too_small_is_replaced() {
+        const SIDE: usize = 120;
+        let (mut sky, mut pixels) = (Simulated::new(Kind::Bright, 7, SIDE, SIDE), vec![0.0; SIDE * SIDE]);
+        for (y, row) in pixels.chunks_exact_mut(SIDE).enumerate() {
+            let Ok(()) = sky.row(y, row);
+        }
+        let config = &Config::NOISE_AWARE;
+        let in_one = in_room::<F32, f32>(config, &pixels, SIDE, &mut Drive::default(), 1).expect("there is a sky");
+        assert!(in_one.outcome.unlabelled > 0, "one region is too few");
+        let run = segment::<F32, f32>(config, &pixels, SIDE, &mut Drive::default()).expect("there is a sky");
+        let again = with_few_regions::<F32, f32>(config, &pixels, SIDE, &mut Drive::default(), 1);
+        let again = again.expect("there is a sky");
+        assert!(run.outcome.unlabelled == 0 && run.outcome.sources > 1);
+        assert_eq!((again.labels, again.outcome), (run.labels, run.outcome));
+    }
 }

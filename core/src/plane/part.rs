@@ -61,7 +61,7 @@ pub enum Question {
 pub const CELL_WORDS: usize = 6;
 
 /// The whole of an image, asked by one of its parts.
-pub trait Whole: Debug {
+pub trait Whole: Debug + Sync {
     /// Where the part lies.
     fn part(&self) -> Part;
 

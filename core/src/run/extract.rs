@@ -16,6 +16,7 @@ use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Filter, Select};
 use crate::error::Error;
 use crate::front::outline::Front;
+use crate::plane::crew::{Alone, Crew};
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
 use crate::plane::part::{Question, Whole};
@@ -141,8 +142,16 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     /// [`Error::NothingDefined`], or [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
     /// of its sky or of its noise.
     pub fn poll(&mut self) -> Result<Progress, Error> {
+        self.poll_by(&Alone)
+    }
+
+    /// The same by a crew, which has no part in the result.
+    ///
+    /// # Errors
+    /// As [`Extractor::poll`].
+    pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
-            self.step(stage)?;
+            self.step(stage, crew)?;
             if self.view.known.whole.is_some_and(Whole::is_waiting) {
                 return Err(Error::Waiting);
             }
@@ -151,7 +160,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         Ok(self.progress())
     }
 
-    fn step(&mut self, stage: Stage) -> Result<(), Error> {
+    fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
         let (round, known) = (self.round(), self.view.known.whole);
         if let Some(whole) = known.filter(|whole| round < first_round(*whole)) {
             return self.pass_over(stage, round, whole);
@@ -161,15 +170,15 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let survey = signal::measure(view, config.sky.cell(), round, &mut work.sky());
+                let survey = signal::measure(view, config.sky.cell(), round, &mut work.sky(), crew);
                 self.survey = survey.ok_or_else(|| self.no_noise())?;
             }
             Stage::Smooth => {
-                let tail = signal::smooth(view, round, &mut work.sky());
+                let tail = signal::smooth(view, round, &mut work.sky(), crew);
                 (self.noise.least, self.masked_from) = (tail.noise, tail.height(MASKED_PEAK));
             }
             Stage::Mask => {
-                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky());
+                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky(), crew);
             }
             Stage::Photon => {
                 let field = Field { values: &*work.signal, grid };
@@ -183,11 +192,11 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 };
                 let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
                 work.front.iter_mut().zip(start).for_each(|(u, start)| *u = *start);
-                front.outline(work.fine, work.front, work.scratch, grid);
+                front.outline(work.fine, work.front, work.scratch, grid, crew);
             }
             Stage::Tree => {
                 let inside = |at: usize| has_signal(view, at);
-                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation());
+                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
             }
             Stage::Deblend => {
                 self.count = separate::deblend(known, grid, config, self.noise, self.count, &mut work.separation());
@@ -205,7 +214,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                         selection::measure(&mut planes);
                         Cut::NONE
                     }
-                    Select::Significance => selection::cut(view, config, &mut planes),
+                    Select::Significance => selection::cut(view, config, &mut planes, crew),
                 };
                 self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
             }

@@ -2,6 +2,7 @@
 
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
+use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
 use crate::plane::part::{CELL_WORDS, Question, Whole};
 use crate::plane::sort::{self, Keys};
@@ -103,20 +104,50 @@ impl<'m> Mesh<'m> {
     pub fn measure(
         &mut self,
         pixels: &[f32],
-        seen: impl Fn(usize) -> Seen,
+        seen: impl Fn(usize) -> Seen + Sync,
+        values: &Values,
+        keys: Keys<'_>,
+    ) -> Survey {
+        self.measure_by(&Alone, pixels, seen, values, keys)
+    }
+
+    /// The same by a crew, which takes the rows of cells where `keys` has room for [`cell_pixels`] for each of them.
+    pub fn measure_by(
+        &mut self,
+        crew: &impl Crew,
+        pixels: &[f32],
+        seen: impl Fn(usize) -> Seen + Sync,
         values: &Values,
         mut keys: Keys<'_>,
     ) -> Survey {
         let (size, grid) = (self.size, self.grid);
-        self.settle(|index| {
-            let mut count = Count::default();
-            // Adding 0 gives both zeros one key.
-            let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
-            let sky = cell_of(size, grid, index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
-            let sorted = keys.sorted(sky.map(value));
-            let sky = if count.is_enough() { clipped(sorted, values) } else { Sky::UNKNOWN };
-            (count, sky)
-        })
+        let row_of_cells = |row: usize, cells: &mut [Sky], mut keys: Keys<'_>| {
+            let mut told = Told::default();
+            for (column, cell) in cells.iter_mut().enumerate() {
+                let mut count = Count::default();
+                // Adding 0 gives both zeros one key.
+                let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
+                let places = cell_of(size, grid, row * grid.width.get() + column);
+                let sorted = keys.sorted(places.filter(|&at| count.sees(seen(at)) == Seen::Sky).map(value));
+                if told.hears(column, &count) {
+                    *cell = clipped(sorted, values);
+                }
+            }
+            told
+        };
+        let room = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
+        let mut told = [Told::default(); MOST_CELLS];
+        let rows = self.cells.chunks_mut(grid.width.get()).zip(&mut told).enumerate();
+        if crew.hands() > 1 && room > 0 && keys.room() >= room * grid.height {
+            let Keys(keys, spare) = keys;
+            let keys = keys.chunks_mut(room).zip(spare.chunks_mut(room));
+            crew.each(rows.zip(keys), |((row, (cells, told)), (keys, spare))| {
+                *told = row_of_cells(row, cells, Keys(keys, spare));
+            });
+        } else {
+            rows.for_each(|(row, (cells, told))| *told = row_of_cells(row, cells, keys.again()));
+        }
+        self.settle(&told)
     }
 
     /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
@@ -149,36 +180,25 @@ impl<'m> Mesh<'m> {
         };
         let answer = whole.words(Question::Cells(round), &mut (0..grid.cells()).filter(is_own).flat_map(words))?;
         let cell = |index: usize| answer.get(index * CELL_WORDS..).and_then(|words| words.first_chunk::<CELL_WORDS>());
-        Some(self.settle(|index| {
-            let Some(&[_, all, defined, sky, level, noise]) = cell(index) else {
-                return (Count::default(), Sky::UNKNOWN);
-            };
+        let mut told = [Told::default(); MOST_CELLS];
+        for (index, own) in self.cells.iter_mut().enumerate() {
+            let Some(&[_, all, defined, sky, level, noise]) = cell(index) else { continue };
             let count = Count { all: all as usize, defined: defined as usize, sky: sky as usize };
-            (count, Sky { level: f32::from_bits(level), noise: f32::from_bits(noise) })
-        }))
-    }
-
-    /// Settles what every cell has, of what its pixels are and of its sky, which counts where that is enough.
-    fn settle(&mut self, mut measure: impl FnMut(usize) -> (Count, Sky)) -> Survey {
-        let mut survey = Survey::default();
-        // A bit per cell, a word per row of them.
-        let mut enough = [0u64; MOST_CELLS];
-        for index in 0..self.cells.len() {
-            let (count, sky) = measure(index);
-            survey.cells += u32::from(count.defined > 0);
-            if !count.is_enough() {
-                continue;
-            }
-            survey.measured += 1;
-            let (column, row) = self.grid.place(index);
-            if let (Some(cell), Some(enough)) = (self.cells.get_mut(index), enough.get_mut(row)) {
-                *cell = sky;
-                *enough |= 1 << column;
+            let (column, row) = grid.place(index);
+            if told.get_mut(row).is_some_and(|told| told.hears(column, &count)) {
+                *own = Sky { level: f32::from_bits(level), noise: f32::from_bits(noise) };
             }
         }
+        Some(self.settle(&told))
+    }
+
+    /// Settles what cells have that were not measured, from what was told of every row.
+    fn settle(&mut self, told: &[Told]) -> Survey {
+        let sum = |part: fn(&Survey) -> u32| told.iter().map(|told| part(&told.survey)).sum();
+        let survey = Survey { cells: sum(|survey| survey.cells), measured: sum(|survey| survey.measured) };
         if !survey.is_crowded() {
-            for (row, enough) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(enough) {
-                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| enough >> column & 1 == 0);
+            for (row, told) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(told) {
+                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| told.enough >> column & 1 == 0);
                 unmeasured.for_each(|(_, cell)| *cell = Sky::UNKNOWN);
             }
         }
@@ -289,6 +309,25 @@ fn middle_of(size: (usize, usize), grid: Grid, index: usize) -> (usize, usize) {
     (usize::midpoint(left, right), usize::midpoint(bottom, top))
 }
 
+/// What is told of a row of cells.
+#[derive(Clone, Copy, Default)]
+struct Told {
+    survey: Survey,
+    /// A bit for each cell that has enough sky.
+    enough: u64,
+}
+
+impl Told {
+    /// Hears of the pixels of a cell; whether it has enough sky to be measured.
+    fn hears(&mut self, column: usize, count: &Count) -> bool {
+        let is_enough = count.is_enough();
+        self.survey.cells += u32::from(count.defined > 0);
+        self.survey.measured += u32::from(is_enough);
+        self.enough |= u64::from(is_enough) << column;
+        is_enough
+    }
+}
+
 /// What the pixels of a cell are.
 #[derive(Default)]
 struct Count {
@@ -298,6 +337,7 @@ struct Count {
 }
 
 impl Count {
+    #[inline]
     fn sees(&mut self, seen: Seen) -> Seen {
         self.all += 1;
         self.defined += usize::from(seen != Seen::Undefined);
@@ -408,7 +448,7 @@ mod tests {
         (0..noise.len()).map(|at| noise[at * 7919 % noise.len()] + level(at % SIDE, at / SIDE)).collect()
     }
 
-    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen) -> Survey {
+    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen + Sync) -> Survey {
         let room = cell_pixels(SIDE, SIDE, CELL);
         let (mut keys, mut spare) = (std::vec![0; room], std::vec![0; room]);
         let seen = |at: usize| seen(at % SIDE, at / SIDE);

@@ -1,6 +1,7 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::rows::row_of;
@@ -40,7 +41,13 @@ pub struct Planes<'m, L: Level> {
 /// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
 /// pixel has the mean of the two between which it lies, or none. Tells how the sky was measured; `None`
 /// where there is no noise to divide by. `round` counts how often it has been measured.
-pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Planes<'_, L>) -> Option<Survey> {
+pub fn measure<L: Level>(
+    view: &View<'_>,
+    cell: usize,
+    round: u32,
+    work: &mut Planes<'_, L>,
+    crew: &impl Crew,
+) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
@@ -52,7 +59,7 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Pl
     };
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
     let survey = match known.whole {
-        None => mesh.measure(pixels, seen, &values, keys.again()),
+        None => mesh.measure_by(crew, pixels, seen, &values, keys.again()),
         // Nothing can be done before it is known.
         Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
             Some(survey) => survey,
@@ -67,17 +74,23 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Pl
         factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
     }
     // A part may have no pixel, where the image has.
-    let mut noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
-    for (y, out) in work.scratch.chunks_exact_mut(width).enumerate() {
-        noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
-    }
+    let noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
+    let (rows, mut seen_in) = (crew.rows(grid), [noise_seen; MOST_BANDS]);
+    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(width * rows)).zip(&mut seen_in);
+    crew.each(bands, |((first, band), noise_seen)| {
+        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+            *noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
+        }
+    });
     bridge(view, work.scratch);
-    let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(work.scratch, width, y));
-    for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
-        let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
-        clean(rows, out);
-    }
-    noise_seen.then_some(survey)
+    let signal = &*work.scratch;
+    let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(signal, width, y));
+    crew.each((0..).step_by(rows).zip(work.signal.chunks_mut(width * rows)), |(first, band): (usize, _)| {
+        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+            clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
+        }
+    });
+    seen_in.contains(&true).then_some(survey)
 }
 
 /// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
@@ -160,14 +173,14 @@ fn typical(
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>) -> Tail<L> {
+pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
     let grid = view.grid;
-    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid);
+    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid, crew);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Fine(round), Question::FinePowers(round)];
     let tail = view.tail(questions, |at| value(fine, at), work.masked, work.keys.again());
-    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
+    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid, crew);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
     let questions = [Question::Details(round), Question::DetailPowers(round)];
     let details = view.tail(questions, detail, work.masked, work.keys.again());
@@ -180,7 +193,7 @@ pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>) -
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>) {
+pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>, crew: &impl Crew) {
     let grid = view.grid;
     let (source, perhaps) = (L::ONE, perhaps());
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
@@ -209,7 +222,7 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
         *mark = L::ZERO;
     }
-    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid);
+    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid, crew);
     let near = L::of(0.2);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > near { L::ONE } else { L::ZERO };

@@ -84,9 +84,10 @@ impl<'a> View<'a> {
         self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
     }
 
-    /// Whether every pixel is defined.
+    /// Whether every pixel is defined, of all of the image where this is a part.
     pub(crate) fn is_whole(&self) -> bool {
-        self.values.defined as usize == self.pixels.len()
+        let (columns, rows) = self.image();
+        self.values.defined as usize == columns * rows
     }
 
     /// The two defined pixels of its row, or else of its column, between which an undefined one lies.

@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Select, Separate, part_area};
+use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::part::{Question, Whole};
 use crate::plane::rows::{next_with, used};
@@ -75,11 +76,11 @@ pub struct Kept {
 
 /// Measures every region, and finds the cut on the peak in the matched image. Means nothing while other parts of the
 /// image have yet to answer.
-pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>) -> Cut {
+pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut {
     let grid = view.grid;
-    let narrow_noise = measure_narrow(view, work);
-    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid);
-    Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING);
+    let narrow_noise = measure_narrow(view, work, crew);
+    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
+    Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING, crew);
     measure(work);
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Matched, Question::MatchedPowers];
@@ -109,10 +110,10 @@ pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>)
 }
 
 /// The peak of every region in the narrow image, and the noise of that. Leaves it in the matched plane.
-fn measure_narrow<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>) -> f32 {
+fn measure_narrow<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> f32 {
     let grid = view.grid;
-    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid);
-    Weights::gauss(NARROW_WIDE).sharpen(work.matched, work.scratch, grid, NARROW_SHARPENING);
+    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
+    Weights::gauss(NARROW_WIDE).sharpen(work.matched, work.scratch, grid, NARROW_SHARPENING, crew);
     for region in work.regions.iter_mut() {
         region.offsets = (0.0, 0.0);
     }

@@ -2,6 +2,7 @@
 
 use crate::arithmetic::Level;
 use crate::config::{Config, Connectivity, Deblending};
+use crate::plane::crew::Crew;
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
 use crate::plane::part::Whole;
@@ -54,8 +55,9 @@ pub fn tree<L: Level>(
     config: &Config,
     photon: f32,
     work: &mut Planes<'_, L>,
+    crew: &impl Crew,
 ) -> Count {
-    Weights::gauss(SHARPNESS).sharpen(work.fine, work.scratch, grid, config.deblending.sharpening);
+    Weights::gauss(SHARPNESS).sharpen(work.fine, work.scratch, grid, config.deblending.sharpening, crew);
     let field = Field { values: work.fine, grid };
     mark_inside(has_signal, work.front, work.labels);
     let used = by_brightness(field, work.labels, work.order, work.parents);

@@ -19,6 +19,8 @@ use crate::reference::{Plane, ReferenceError, is_beyond_reach};
 use skyfront_core::arithmetic::{Arithmetic, Level, Real};
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::front::outline::Front;
+use skyfront_core::plane::crew::Alone;
+use skyfront_core::plane::grid::Grid;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::Workspace;
@@ -409,11 +411,12 @@ impl Walk {
             |cells: &[L]| Plane::from_fn(width, height, |i, j| cells[j as usize * width + i as usize].to_f32().into());
         let (signal, mut u, mut rows) = (cells(&before.fine), cells(image), vec![L::ZERO; 2 * width]);
         front.start(&mut u);
+        let Some(grid) = Grid::of(u.len(), width) else { return };
         let off = image.map(|v| self.grain + bit(23) * (v.abs() + 1.0));
         self.plane("u0", &plane(&u), &start(image, asked.threshold), &off);
         for _ in 0..outline.steps {
             let old = plane(&u);
-            front.step(&signal, &mut u, &mut rows, width);
+            front.step(&signal, &mut u, &mut rows, grid, &Alone);
             let off = self.front_off(&old, &before.fine);
             // On which side of the least gradient a pixel lies may hang on a rounding.
             let open = if self.grain > 0.0 { 0.05 } else { bit(12) };

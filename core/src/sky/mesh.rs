@@ -271,11 +271,13 @@ impl<'m> Mesh<'m> {
             // Columns that lie between the same two cells.
             let Between { first, next, .. } = Between::new(x, columns, self.scale.0);
             let end = Between::end(x, until, columns, self.scale.0);
-            let (before, after) = (corners(first), corners(next));
+            let corners = [first, next].map(corners);
+            let levels = corners.map(|cells| cells.map(|sky| sky.level));
+            let noises = corners.map(|cells| cells.map(|sky| sky.noise));
             for ((level, noise), x) in rest.by_ref().take(end - x).zip(x..) {
                 let across = Between::after(first, x, self.scale.0);
-                *level = blend([before, after].map(|cells| cells.map(|sky| sky.level)), across.part, up.part);
-                *noise = blend([before, after].map(|cells| cells.map(|sky| sky.noise)), across.inside(), up.inside());
+                *level = blend(levels, across.part, up.part);
+                *noise = blend(noises, across.inside(), up.inside());
             }
             x = end;
         }
@@ -416,6 +418,7 @@ impl Between {
         end
     }
 
+    #[inline(always)]
     fn inside(self) -> f32 {
         let part = if self.part > 0.0 { self.part } else { 0.0 };
         if part < 1.0 { part } else { 1.0 }

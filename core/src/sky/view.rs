@@ -28,6 +28,7 @@ impl Known<'_> {
         self.whole.map_or(frame, |whole| whole.part().image)
     }
 
+    #[inline]
     pub(crate) fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
         map.and_then(|map| map.get(at).copied())
     }

@@ -34,6 +34,7 @@ mod reference_facts;
 mod report;
 mod rooms;
 mod rules;
+mod rules_default;
 mod scores;
 mod settings;
 mod sky;

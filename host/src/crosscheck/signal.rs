@@ -41,7 +41,7 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
     let mut room = SignalRoom::<L>::new(config, width, height);
     let mut run = Extractor::new(config, pixels, width, Known::default(), room.workspace())?;
     let mut walk = Walk::new::<L>(config, *asked, pixels, width);
-    let mut before = Left::of(run.work(), config, width);
+    let mut before = Left::of(run.work(), asked.cell, width);
     loop {
         match run.progress() {
             Progress::Done(found) => {
@@ -50,7 +50,7 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
             }
             Progress::Next(stage) => {
                 run.poll()?;
-                let after = Left::of(run.work(), config, width);
+                let after = Left::of(run.work(), asked.cell, width);
                 walk.see::<L>(stage, &before, &after);
                 before = after;
             }
@@ -65,7 +65,7 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
                 )?);
                 let front = segment_in::<A>(config, &image, width, height, &mut Drive::default())?.front;
                 run.outline(|at| front[at] > 0.0);
-                let after = Left::of(run.work(), config, width);
+                let after = Left::of(run.work(), asked.cell, width);
                 walk.outline(&front, &after);
                 before = after;
             }
@@ -128,13 +128,13 @@ struct Seen {
 }
 
 impl Left {
-    fn of<L: Level>(work: &Workspace<'_, L>, config: &Config, width: usize) -> Left {
+    fn of<L: Level>(work: &Workspace<'_, L>, cell: usize, width: usize) -> Left {
         let plane = |values: &[L]| {
             let value = |i: isize, j: isize| f64::from(values[j as usize * width + i as usize].to_f32());
             Plane::from_fn(width, values.len() / width, value)
         };
         let size = (width, work.signal.len() / width);
-        let mut mesh = Mesh::unknown(size, config.sky.cell());
+        let mut mesh = Mesh::unknown(size, cell);
         for (cell, sky) in mesh.cells.iter_mut().zip(work.mesh.iter()) {
             let known = sky.level.is_finite() && sky.noise.is_finite();
             *cell = known.then_some(Sky { level: sky.level.into(), noise: sky.noise.into() });
@@ -297,7 +297,8 @@ impl Walk {
 
     fn signal(&mut self, after: &Left) {
         let raw = reference::signal(&self.pixels, &self.defined, &after.mesh, self.width);
-        let off = self.signal_off(&raw, &after.mesh);
+        // A pixel may have the value of its neighbours.
+        let off = greatest(&self.signal_off(&raw, &after.mesh), 1);
         let clean = reference::without_spikes(&raw, &Judge::exact());
         let limit = self.limit;
         let clean = Plane::from_fn(raw.width(), raw.height(), |i, j| {
@@ -330,7 +331,7 @@ impl Walk {
             let (sky, signal) = (mesh.at(i as usize, j as usize), raw.at(i, j).abs());
             let level = bit(21) * sky.level.abs() + bit(17) * levels;
             let noise = bit(21) * sky.noise + bit(17) * noises;
-            (level + signal * noise) / sky.noise + bit(21) * signal + self.grain
+            (level + signal * noise) / sky.noise + bit(21) * signal + 2.0 * self.grain
         })
     }
 
@@ -414,7 +415,7 @@ impl Walk {
         let Some(grid) = Grid::of(u.len(), width) else { return };
         let off = image.map(|v| self.grain + bit(23) * (v.abs() + 1.0));
         self.plane("u0", &plane(&u), &start(image, asked.threshold), &off);
-        for _ in 0..outline.steps {
+        for _ in 0..asked.steps {
             let old = plane(&u);
             front.step(&signal, &mut u, &mut rows, grid, &Alone);
             let off = self.front_off(&old, &before.fine);
@@ -500,7 +501,9 @@ impl Walk {
             let off = added(&second, &first, 3.0);
             self.plane("matched", core, &matched, &off);
         }
-        let regions = Regions { labels: before.labels.clone(), table: std::mem::take(&mut self.regions.table) };
+        let mut regions = Regions { labels: before.labels.clone(), table: std::mem::take(&mut self.regions.table) };
+        // Where the two differ already, the core may have more.
+        regions.table.resize(regions.table.len().max(before.regions.len()), Region::BLANK);
         let (signal, masked, cut_off) = (&before.signal, &before.masked, self.facts.cut_off);
         let run = |judge: &Judge| {
             let cut = reference::cut(signal, core, masked, cut_off, &regions, &settings, judge);

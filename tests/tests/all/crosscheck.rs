@@ -75,16 +75,59 @@ const STEPS: [&str; 13] = [
     "centroids",
 ];
 
+/// What is compared of the default, and of the paper's front on signal-to-noise.
+const DEFAULT_STEPS: [&str; 16] = [
+    "sky",
+    "signal",
+    "fine",
+    "smooth",
+    "mask",
+    "u0",
+    "u",
+    "sharpened",
+    "tree",
+    "deblended",
+    "matched",
+    "labels",
+    "facts",
+    "photon",
+    "cut",
+    "centroids",
+];
+
+#[test]
+fn the_default_passes_step_by_step() {
+    let (_folder, sky) = with_sky("crosscheck-default");
+    for (options, scheme) in [(&[][..], "region"), (&["--preset", "rsa"], "fd")] {
+        let run = skyfront(["crosscheck", &sky, "--json"].iter().chain(options));
+        assert_eq!(run.status.code(), Some(0), "{}{}", text(&run), messages(&run));
+        let report: Value = serde_json::from_slice(&run.stdout).expect("JSON and nothing else");
+        let checks = report["checks"].as_array().expect("a list of checks");
+        let names: Vec<_> =
+            checks.iter().map(|check| (check["scheme"].as_str(), check["arithmetic"].as_str())).collect();
+        assert_eq!(names, [(Some(scheme), Some("f32")), (Some(scheme), Some("q24"))]);
+        for check in checks {
+            let compared = check["compared"].as_array().expect("the steps that were compared");
+            let steps: Vec<&str> = compared.iter().flat_map(|step| step["step"].as_str()).collect();
+            let missing = DEFAULT_STEPS.iter().filter(|step| !steps.contains(step));
+            assert_eq!(missing.collect::<Vec<_>>(), [&""; 0], "{check}");
+            assert!(scheme == "region" || STEPS[..11].iter().all(|step| *step == "filtered" || steps.contains(step)));
+            assert!(
+                compared[1]["max"].as_f64() > Some(0.0),
+                "two programs that agree to the last bit are one: {check}"
+            );
+            assert_eq!(check["whole_run"]["sources"]["core"], check["whole_run"]["sources"]["reference"]);
+        }
+    }
+    let run = skyfront(["crosscheck", &sky, "--vectors", "nowhere"]);
+    assert_eq!(run.status.code(), Some(2), "{}", text(&run));
+    assert!(messages(&run).contains("--vectors are those of a front on pixel values"), "{}", messages(&run));
+}
+
 /// Where the reference has nothing to say, nothing is "ok".
 #[test]
 fn what_has_no_reference_is_refused_by_name() {
     let (_folder, sky) = with_sky("no-reference");
-    for options in [&[][..], &["--preset", "noise-aware"]] {
-        let run = skyfront(["crosscheck", &sky].iter().chain(options));
-        assert_eq!(run.status.code(), Some(2), "{}", text(&run));
-        assert!(messages(&run).contains("no word on signal-to-noise"), "{}", messages(&run));
-        assert_eq!(text(&run), "");
-    }
     let run = skyfront(["crosscheck", &sky, "--preset", "paper-f160", "--start", &sky]);
     assert_eq!(run.status.code(), Some(2), "{}", text(&run));
     assert!(messages(&run).contains("no word on a front that starts from a map"), "{}", messages(&run));

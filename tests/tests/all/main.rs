@@ -35,6 +35,7 @@ mod reference_facts;
 mod report;
 mod rooms;
 mod rules;
+mod rules_default;
 mod scores;
 mod settings;
 mod sky;

@@ -47,11 +47,11 @@ impl Judge {
     }
 }
 
-/// The most open decisions that are turned.
-const MOST: usize = 200;
+/// How often an open decision is turned, at most.
+const MOST: usize = 400;
 
 /// Of the results of `run` that roundings allow one that has the least `distance`: open decisions are turned one after
-/// the other, and stay so where that brings the result nearer.
+/// the other, also back again, and stay so where that brings the result nearer.
 pub fn nearest<T>(slack: Slack, run: impl Fn(&Judge) -> T, distance: impl Fn(&T) -> usize) -> T {
     let judged = |turned: &BTreeSet<Question>| {
         let judge = Judge { slack, turned: turned.clone(), open: RefCell::default() };
@@ -60,12 +60,15 @@ pub fn nearest<T>(slack: Slack, run: impl Fn(&Judge) -> T, distance: impl Fn(&T)
     };
     let (mut turned, mut tried) = (BTreeSet::new(), BTreeSet::new());
     let (mut best, mut result, mut open) = judged(&turned);
-    while best > 0 && tried.len() < MOST {
-        let Some(next) = open.iter().copied().find(|question| tried.insert(*question)) else { break };
-        turned.insert(next);
-        match judged(&turned) {
-            (now, nearer, others) if now < best => (best, result, open) = (now, nearer, others),
-            _ => drop(turned.remove(&next)),
+    for _ in 0..MOST {
+        let next = open.iter().copied().find(|question| !tried.contains(question));
+        let Some(next) = next.filter(|_| best > 0) else { break };
+        tried.insert(next);
+        let other: BTreeSet<Question> = turned.symmetric_difference(&BTreeSet::from([next])).copied().collect();
+        let (now, nearer, others) = judged(&other);
+        if now < best {
+            // What was tried before may be of use now.
+            (best, result, open, turned, tried) = (now, nearer, others, other, BTreeSet::from([next]));
         }
     }
     result

@@ -50,7 +50,7 @@ pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
 pub fn to_part(offset: f64, divisor: f64, judge: &Judge) -> f64 {
     let below = (256.0 * offset).floor();
     let border = (below + 0.5) / 256.0;
-    (below + f64::from(u8::from(judge.exceeds_of(0.25 / divisor, offset, border) || offset == border))) / 256.0
+    (below + f64::from(u8::from(judge.exceeds_of(0.25 + 0.25 / divisor, offset, border) || offset == border))) / 256.0
 }
 
 /// The vertex of the parabolas through a pixel and its neighbours along each axis.

@@ -25,6 +25,10 @@ pub struct Region {
 }
 
 impl Region {
+    /// Nothing is known of it.
+    pub const BLANK: Region =
+        Region { peak: 0, value: 0.0, area: 0, sum: 0.0, centre: (0.0, 0.0), plateau: false, divided: None };
+
     /// Remembers a part, if it is the brightest.
     pub fn divide(&mut self, image: &Plane, part: usize) {
         let bright = |at: usize| image.values()[at];
@@ -58,8 +62,7 @@ impl Regions {
 /// The connected components of the pixels `inside`.
 pub fn components(inside: &[bool], width: usize, connectivity: Connectivity) -> Regions {
     let (labels, count) = label(inside, width, connectivity, 1);
-    let blank = Region { peak: 0, value: 0.0, area: 0, sum: 0.0, centre: (0.0, 0.0), plateau: false, divided: None };
-    Regions { labels, table: vec![blank; count as usize] }
+    Regions { labels, table: vec![Region::BLANK; count as usize] }
 }
 
 /// The parts of the pixels `inside`.

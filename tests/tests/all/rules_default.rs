@@ -1,0 +1,125 @@
+//! The default is what `default.md` says: every step of it is that of the reference, on skies of many kinds, and a
+//! reference that is asked for anything else is found to differ.
+
+use skyfront::crosscheck::{Difference, settings, walk_signal};
+use skyfront::machine::Native;
+use skyfront::reference::Connectivity as Touching;
+use skyfront::reference::noise_aware::{Settings, Smoothing};
+use skyfront_core::arithmetic::{F32, Fixed14, Q24};
+use skyfront_core::config::{Background, Config, Connectivity, Filter, Select, Separate};
+use skyfront_core::simulate::Kind;
+use skyfront_tests::noise::{add_star, gaussian};
+use skyfront_tests::runs::sky;
+
+const WIDTH: usize = 140;
+const HEIGHT: usize = 120;
+
+/// Steps that differ, in both arithmetics.
+fn differing(config: &Config, asked: &Settings, pixels: &[f32], width: usize) -> Vec<&'static str> {
+    let size = (width, pixels.len() / width);
+    let runs = [
+        walk_signal::<F32<Native>, f32>(config, asked, pixels, size),
+        walk_signal::<Q24, Fixed14>(config, asked, pixels, size),
+    ];
+    let wrong = |d: &Difference| d.beyond > if d.step == "u" || d.step == "u0" { 1e-6 } else { 3e-6 };
+    runs.into_iter().flat_map(|run| run.expect("a sky")).filter(wrong).map(|d| d.step).collect()
+}
+
+/// Whole counts of photons with bright stars, one of them saturated, two close together, a hot pixel and pixels that were never seen.
+fn counts() -> Vec<f32> {
+    let mut light = vec![40.0; WIDTH * HEIGHT];
+    for n in 0..40 {
+        let (x, y) = ((n * 37 % WIDTH) as f32 + 0.3, (n * 53 % HEIGHT) as f32 + 0.1 * n as f32 % 1.0);
+        add_star(&mut light, WIDTH, (x, y), 1.3, 30.0 * 1.25f32.powi(n as i32 % 16));
+    }
+    add_star(&mut light, WIDTH, (70.0, 60.0), 2.0, 60_000.0);
+    add_star(&mut light, WIDTH, (116.0, 100.0), 1.5, 1200.0);
+    add_star(&mut light, WIDTH, (122.0, 100.0), 1.5, 700.0);
+    for (pixel, noise) in light.iter_mut().zip(gaussian(11, WIDTH * HEIGHT)) {
+        *pixel = (*pixel + noise * pixel.sqrt()).round().min(4000.0);
+    }
+    light[20 * WIDTH + 90] = 900.0;
+    light[30 * WIDTH..30 * WIDTH + 40].fill(f32::NAN);
+    light[90 * WIDTH + 5] = f32::NAN;
+    light
+}
+
+/// A sky that was cut off at its level.
+fn cut_off() -> Vec<f32> {
+    let mut light = vec![0.0; WIDTH * HEIGHT];
+    (0..9).for_each(|n| add_star(&mut light, WIDTH, (15.5 * n as f32 + 6.0, 13.0 * n as f32 + 5.0), 1.4, 40.0));
+    light
+        .iter()
+        .zip(gaussian(12, WIDTH * HEIGHT))
+        .map(|(light, noise)| (light + 3.0 * noise).round().max(0.0))
+        .collect()
+}
+
+/// Half of the frame filled with zeros.
+fn filled() -> Vec<f32> {
+    let seen = |(at, pixel): (usize, f32)| if at % WIDTH < WIDTH / 2 { 0.0 } else { 500.0 + pixel };
+    sky(Kind::Noisy, 9, WIDTH, HEIGHT).into_iter().enumerate().map(seen).collect()
+}
+
+#[test]
+fn every_choice_is_the_reference_s() {
+    let skies = [
+        sky(Kind::Bright, 1, WIDTH, HEIGHT),
+        sky(Kind::Noisy, 2, WIDTH, HEIGHT),
+        sky(Kind::Stars, 3, WIDTH, HEIGHT),
+        counts(),
+        cut_off(),
+        filled(),
+    ];
+    let default = Config::NOISE_AWARE;
+    let choices = [
+        default,
+        Config { sky: Background::Frame, filter: Filter::Gauss, ..default },
+        Config { sky: Background::Mesh { size: 32 }, filter: Filter::None, separate: Separate::Components, ..default },
+        Config { select: Select::Area, connectivity: Connectivity::Four, ..default },
+        Config { separate: Separate::Components, select: Select::Area, connectivity: Connectivity::Four, ..default },
+        Config::RSA,
+    ];
+    for (number, pixels) in skies.iter().enumerate() {
+        for config in &choices {
+            let wrong = differing(config, &settings(config), pixels, WIDTH);
+            assert_eq!(wrong, [""; 0], "sky {number}, {config:?}");
+        }
+    }
+}
+
+/// A reference that is asked for another setting is found to differ, in the step that the setting belongs to.
+#[test]
+fn every_setting_is_noticed() {
+    let config = Config::NOISE_AWARE;
+    let asked = settings(&config);
+    let photons = counts();
+    let noisy = sky(Kind::Noisy, 2, WIDTH, HEIGHT);
+    let others: [(Settings, &str); 17] = [
+        (Settings { cell: 32, ..asked }, "sky"),
+        (Settings { smoothing: Smoothing::Fine, ..asked }, "u"),
+        (Settings { threshold: 1.05, ..asked }, "u0"),
+        (Settings { steps: 4, ..asked }, "u"),
+        (Settings { curvature: 0.55, ..asked }, "u"),
+        (Settings { branch: 1e5, ..asked }, "tree"),
+        (Settings { contrast: 0.9, ..asked }, "tree"),
+        (Settings { excess: 50.0, ..asked }, "deblended"),
+        (Settings { reopened_area: 200, ..asked }, "deblended"),
+        (Settings { sharpening: 0.45, ..asked }, "sharpened"),
+        (Settings { connectivity: Touching::Four, ..asked }, "tree"),
+        (Settings { by_significance: false, ..asked }, "labels"),
+        (Settings { min_area: 12, ..asked }, "labels"),
+        (Settings { peak: 4.0, ..asked }, "labels"),
+        (Settings { false_sources: 5.0, ..asked }, "cut"),
+        (Settings { false_share: 0.2, ..asked }, "cut"),
+        (Settings { light: 60.0, ..asked }, "labels"),
+    ];
+    let mut missed = Vec::new();
+    for (other, step) in others {
+        let wrong = [&photons, &noisy].map(|pixels| differing(&config, &other, pixels, WIDTH)).concat();
+        if !wrong.contains(&step) {
+            missed.push(format!("{step}: {wrong:?}, {other:?}"));
+        }
+    }
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
+}

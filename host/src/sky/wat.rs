@@ -1,5 +1,5 @@
 //! Corrections in the projection plane as IRAF writes them, for TNX and ZPX: surfaces in the pieces of
-//! text `WATi_nnn` (https://fits.gsfc.nasa.gov/registry/tnx.html and zpxwcs.html).
+//! text `WATi_nnn` (<https://fits.gsfc.nasa.gov/registry/tnx.html> and zpxwcs.html).
 
 use super::keys::Keys;
 

@@ -18,7 +18,7 @@ pub fn row_of_mut<T>(plane: &mut [T], width: usize, y: usize) -> &mut [T] {
 const PIECE: usize = 16;
 
 /// The first cell from `from` on that has one of the `bits`: most of a plane of labels has none. Cost: a look at
-/// each cell up to there, [`PIECE`] at a time.
+/// each cell up to there, some at a time.
 pub fn next_with(plane: &[u32], from: usize, bits: u32) -> Option<usize> {
     let rest = plane.get(from..)?;
     let has = |cell: &u32| cell & bits != 0;

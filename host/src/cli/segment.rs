@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Leave out stages.png, overlay.png and report.html.
     #[arg(long)]
     no_pictures: bool,
-    /// Threads that move the front; the result does not depend on it [default: all processors].
+    /// Threads for sky, smoothing, front and measurements; the result does not depend on it [default: all processors].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// Replace results that exist.

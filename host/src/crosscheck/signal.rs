@@ -258,7 +258,7 @@ impl Walk {
         for (index, core) in after.mesh.cells.iter().enumerate() {
             let cells: Vec<Sky> = meshes.iter().filter_map(|mesh| mesh[index]).collect();
             let (Some(core), Some(exact)) = (core, cells.first()) else {
-                self.notes.count("sky", usize::from(core.is_some() != !cells.is_empty()));
+                self.notes.count("sky", usize::from(core.is_some() == cells.is_empty()));
                 continue;
             };
             let mut note = |of: fn(&Sky) -> f64| {

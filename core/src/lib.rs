@@ -19,6 +19,20 @@
 //!
 //! Planes are row-major; row 0 comes first and is the bottom row of a FITS image. Pixel centres
 //! have whole coordinates from (0, 0).
+//!
+//! # A tour
+//!
+//! Each of these is a program in `examples`, which `cargo run --example NAME` runs.
+//!
+//! `front_in_slices`: the paper's front, which needs two planes, and of which each call does a bounded
+//! piece of work.
+#![doc = concat!("```\n", include_str!("../examples/front_in_slices.rs"), "```\n")]
+//! `default`: what finds most, in nine planes, a mesh and a table of regions.
+#![doc = concat!("```\n", include_str!("../examples/default.rs"), "```\n")]
+//! `front_on_signal`: both together, the front of the paper over the default's signal-to-noise.
+#![doc = concat!("```\n", include_str!("../examples/front_on_signal.rs"), "```\n")]
+//! `snapshot`: a run that ends elsewhere than it began.
+#![doc = concat!("```\n", include_str!("../examples/snapshot.rs"), "```\n")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -16,10 +16,8 @@ impl SkyMaps {
     /// The maps of a measured mesh, in planes that are there already, from a column and row of the mesh's frame on.
     pub fn of(mesh: &Mesh<'_>, width: usize, (left, bottom): (usize, usize), planes: [Vec<f32>; 2]) -> SkyMaps {
         let [mut level, mut noise] = planes;
-        for (at, (level, noise)) in level.iter_mut().zip(&mut noise).enumerate() {
-            let sky = mesh.at(left + at % width, bottom + at / width);
-            (*level, *noise) = (sky.level, sky.noise);
-        }
+        let rows = level.chunks_mut(width.max(1)).zip(noise.chunks_mut(width.max(1)));
+        rows.enumerate().for_each(|(y, (level, noise))| mesh.along(left, bottom + y, level, noise));
         SkyMaps { level, noise }
     }
 

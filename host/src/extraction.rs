@@ -1,16 +1,19 @@
 //! A run on signal-to-noise on the host: memory, the steps, the catalogue.
 
 use crate::background::SkyMaps;
+use crate::evolution::segment_in;
 use crate::nothing::without_front;
-use crate::pipeline::{Drive, Segmentation, StagePlanes, segment_in};
 use crate::remarks;
+use crate::segmentation::{Drive, Segmentation, StagePlanes};
+use crate::workers::Threads;
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::part::Whole;
+use skyfront_core::plane::rows::used;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
-use skyfront_core::run::outcome::Outcome;
+use skyfront_core::run::outcome::{Outcome, Progress::Working};
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
@@ -24,23 +27,31 @@ pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static
     [
         (2 * plane, "the image, and the level that is kept of it"),
         (9 * plane, "nine planes to work in"),
-        (regions(width, height) * size_of::<Region<f32>>(), "table of regions"),
+        (
+            regions(width, height) * size_of::<Region<f32>>(),
+            "table of regions; a fifth of it is enough but for images full of specks",
+        ),
         (mesh_cells(width, height, config.sky.cell()) * size_of::<Sky>(), "mesh of the sky"),
     ]
 }
 
-/// The signal-to-noise that pictures show.
+/// The signal-to-noise that the histogram shows.
 pub mod shown {
-    /// Black.
+    /// Its first bin begins here.
     pub const LEAST: f32 = -5.0;
-    /// White.
+    /// Its last one ends here.
     pub const GREATEST: f32 = 20.0;
 
-    /// A signal-to-noise on the scale from black, 0, to white, 1.
+    /// A signal-to-noise on the scale from the one, 0, to the other, 1.
     pub fn unit(value: &f32) -> f32 {
-        ((value - LEAST) / (GREATEST - LEAST)).clamp(0.0, 1.0)
+        (value - LEAST) / (GREATEST - LEAST)
     }
 }
+
+/// Of so many pixels one is a region's peak, at most, but for images full of specks.
+const PIXELS_OF_REGION: usize = 16;
+/// A table of so few regions is not worth sparing.
+const LEAST_REGIONS: usize = 1 << 16;
 
 /// Segments an image, row-major, NaN = undefined, in `L`; a front that is not the region's own moves in `A`.
 ///
@@ -52,6 +63,34 @@ pub fn segment<A: Arithmetic, L: Level>(
     width: usize,
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
+    let few = (pixels.len() / PIXELS_OF_REGION).max(LEAST_REGIONS);
+    with_few_regions::<A, L>(config, pixels, width, drive, few)
+}
+
+/// The same in a table of a few regions or, where the image has more, again in one that has room for all.
+fn with_few_regions<A: Arithmetic, L: Level>(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    drive: &mut Drive<'_>,
+    few: usize,
+) -> Result<Segmentation, Error> {
+    let all = regions(width, pixels.len() / width.max(1));
+    let run = in_room::<A, L>(config, pixels, width, drive, few.min(all))?;
+    if run.outcome.unlabelled == 0 || few >= all {
+        return Ok(run);
+    }
+    drop(run);
+    in_room::<A, L>(config, pixels, width, drive, all)
+}
+
+fn in_room<A: Arithmetic, L: Level>(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    drive: &mut Drive<'_>,
+    regions: usize,
+) -> Result<Segmentation, Error> {
     let count = pixels.len();
     let height = count / width.max(1);
     let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
@@ -59,7 +98,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     let (image, origin) =
         drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
     let mut mesh = vec![Sky::UNKNOWN; mesh_cells(image.0, image.1, config.sky.cell())];
-    let mut table = vec![Region::<L>::BLANK; regions(width, height)];
+    let mut table = vec![Region::<L>::BLANK; regions];
     let work = Workspace {
         signal: &mut signal,
         fine: &mut fine,
@@ -76,13 +115,16 @@ pub fn segment<A: Arithmetic, L: Level>(
     let known =
         Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
     let mut run = Extractor::new(config, pixels, width, known, work)?;
-    let (mut seconds, mut moved) = (Vec::new(), None);
+    let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
     let found = loop {
         let started = Instant::now();
         match run.progress() {
             Progress::Done(found) => break found,
             Progress::Next(stage) => {
-                run.poll()?;
+                if let Some(watch) = &mut drive.watch {
+                    watch(&Working { stage, pass: 0, row: 0, last_change: 0.0 });
+                }
+                run.poll_by(&crew)?;
                 seconds.push((stage, started.elapsed()));
             }
             Progress::Front => {
@@ -110,16 +152,16 @@ pub fn segment<A: Arithmetic, L: Level>(
         extremes.observe(&row);
     }
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
-    for (at, (&label, &pixel)) in labels.iter().zip(pixels).enumerate() {
-        if let Some(source) = (label as usize).checked_sub(1).and_then(|index| sources.get_mut(index)) {
-            source.add((at % width) as u32, (at / width) as u32, pixel, extremes.least);
+    for (at, label) in used(&labels) {
+        if let Some(source) = sources.get_mut(label as usize - 1) {
+            source.add((at % width) as u32, (at / width) as u32, pixels[at], extremes.least);
         }
     }
     let [mut blended, mut plateaus] = [(); 2].map(|()| vec![false; sources.len()]);
     let mark = |of: &mut [bool], label: u32| {
         (label as usize).checked_sub(1).and_then(|index| of.get_mut(index)).into_iter().for_each(|of| *of = true);
     };
-    for region in table {
+    for region in &table[..found.regions] {
         if let Some(other) = region.divided_from(&labels) {
             // The other may remember a part that was dropped.
             mark(&mut blended, region.label);
@@ -195,4 +237,29 @@ fn with_front(run: Segmentation, found: &Found, moved: Option<Segmentation>) -> 
 /// A plane in single precision, in its own memory.
 fn in_f32<L: Level>(plane: Vec<L>) -> Vec<f32> {
     plane.into_iter().map(L::to_f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyfront_core::arithmetic::F32;
+    use skyfront_core::run::frame::Frame;
+    use skyfront_core::simulate::{Kind, Sky as Simulated};
+
+    #[test]
+    fn a_table_that_is_too_small_is_replaced() {
+        const SIDE: usize = 120;
+        let (mut sky, mut pixels) = (Simulated::new(Kind::Bright, 7, SIDE, SIDE), vec![0.0; SIDE * SIDE]);
+        for (y, row) in pixels.chunks_exact_mut(SIDE).enumerate() {
+            let Ok(()) = sky.row(y, row);
+        }
+        let config = &Config::NOISE_AWARE;
+        let in_one = in_room::<F32, f32>(config, &pixels, SIDE, &mut Drive::default(), 1).expect("there is a sky");
+        assert!(in_one.outcome.unlabelled > 0, "one region is too few");
+        let run = segment::<F32, f32>(config, &pixels, SIDE, &mut Drive::default()).expect("there is a sky");
+        let again = with_few_regions::<F32, f32>(config, &pixels, SIDE, &mut Drive::default(), 1);
+        let again = again.expect("there is a sky");
+        assert!(run.outcome.unlabelled == 0 && run.outcome.sources > 1);
+        assert_eq!((again.labels, again.outcome), (run.labels, run.outcome));
+    }
 }

@@ -1,5 +1,12 @@
 //! The host side of Skyfront: files in, the core at work, files and pictures out.
 //!
+//! A program that links it without the command line takes it with `default-features = false`. Then
+//! [`read`] gives an image, [`pipeline::segment`] its labels, [`catalogue::Catalogue`] its sources, and
+//! [`mod@write`] and [`picture`] what goes to files:
+#![doc = concat!("```no_run\n", include_str!("../examples/segment_file.rs"), "```\n")]
+//! Pixels in memory need no file:
+#![doc = concat!("```\n", include_str!("../examples/segment_pixels.rs"), "```\n")]
+//!
 //! Unsafe code is denied but in the modules that say here what for.
 #![deny(unsafe_code)]
 
@@ -13,6 +20,7 @@ pub mod choices;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod crosscheck;
+pub mod evolution;
 pub mod extraction;
 pub mod given;
 pub mod input;
@@ -35,6 +43,7 @@ pub mod remarks;
 pub mod report;
 pub mod reproduce;
 pub mod score;
+pub mod segmentation;
 pub mod settings;
 pub mod sky;
 pub mod summary;

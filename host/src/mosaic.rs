@@ -5,8 +5,8 @@
 
 use skyfront_core::plane::part::{CELL_WORDS, Part, Question, Whole};
 use skyfront_core::sources::typical::{MOST, RECORD};
-use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The answers so far, by the name of the question; little-endian words or sums.
 #[derive(Clone, Debug, Default)]
@@ -96,18 +96,22 @@ impl Answers {
 pub struct Asking<'a> {
     part: Part,
     answers: &'a Answers,
-    own: RefCell<Vec<(String, Vec<u8>)>>,
+    own: Mutex<Vec<(String, Vec<u8>)>>,
 }
 
 impl<'a> Asking<'a> {
     /// With the answers so far.
     pub fn new(part: Part, answers: &'a Answers) -> Asking<'a> {
-        Asking { part, answers, own: RefCell::default() }
+        Asking { part, answers, own: Mutex::default() }
     }
 
     /// What the part contributes to the questions that had no answer.
     pub fn contributions(self) -> Vec<(String, Vec<u8>)> {
-        self.own.into_inner()
+        self.own.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn own(&self) -> MutexGuard<'_, Vec<(String, Vec<u8>)>> {
+        self.own.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn get(&self, question: Question) -> Option<&Answer> {
@@ -115,7 +119,7 @@ impl<'a> Asking<'a> {
     }
 
     fn contribute(&self, question: Question, own: Vec<u8>) {
-        self.own.borrow_mut().push((name(question), own));
+        self.own().push((name(question), own));
     }
 }
 
@@ -153,7 +157,7 @@ impl Whole for Asking<'_> {
     }
 
     fn is_waiting(&self) -> bool {
-        !self.own.borrow().is_empty()
+        !self.own().is_empty()
     }
 }
 

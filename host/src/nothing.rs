@@ -3,9 +3,9 @@
 //! They are no error on the ground, where one of a thousand frames may be blank: the run has no
 //! source, and says why.
 
-use crate::pipeline::{Drive, Segmentation, StagePlanes};
 use crate::read::Image;
 use crate::remarks::share;
+use crate::segmentation::{Drive, Segmentation, StagePlanes};
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::{Extremes, Range};
 use skyfront_core::run::outcome::{Outcome, StopReason};

@@ -29,6 +29,17 @@ pub const ARRIVAL: &str = "arrival.fits";
 /// Names of the pictures.
 pub const PICTURES: [&str; 3] = ["stages.png", "overlay.png", report::FILE];
 
+/// The names of the files that a request asks for, beside [`DATA`] and [`PICTURES`].
+pub fn names(request: &Request) -> Vec<&'static str> {
+    let regions: &[&str] = if request.regions { &outline::REGIONS } else { &[] };
+    let polygons: &[&str] = if request.polygons { &[outline::POLYGONS] } else { &[] };
+    let sky: &[&str] = if request.sky { &SKY } else { &[] };
+    let arrival: &[&str] = if request.arrival { &[ARRIVAL] } else { &[] };
+    let values: &[&str] = if request.map_only { &[] } else { &VALUES };
+    let formats = request.formats.iter().map(|format| format.file());
+    formats.chain([values, regions, polygons, sky, arrival].into_iter().flatten().copied()).collect()
+}
+
 /// What writing leaves.
 pub struct Written {
     /// What summary.json holds.
@@ -101,12 +112,16 @@ pub fn write(
     let warnings: Vec<String> =
         run.remarks.iter().cloned().chain(catalogue.warnings()).chain(limits(&run.outcome)).collect();
     summary["measuring"] = catalogue.settings();
+    summary["flags"] = catalogue.flag_counts();
     summary["result_warnings"] = json!(warnings);
     products.write("summary.json", |out| writeln!(out, "{summary:#}"))?;
     if let Some(planes) = &run.stages {
         let stages = picture::stages(config, run, planes);
         products.write("stages.png", |out| stages.write_png(out))?;
-        let overlay = picture::overlay(&image.pixels, &run.labels, width, height, &run.sources);
+        let overlay = match request.overlay {
+            Some(zoom) => picture::overlay_in(zoom, &image.pixels, (width, height), &run.labels, &run.sources),
+            None => picture::overlay(&image.pixels, &run.labels, width, height, &run.sources),
+        };
         products.write("overlay.png", |out| overlay.write_png(out))?;
         let subject = report::Subject { config, input, run, catalogue: &catalogue, planes };
         let page = report::page(&report::page_data(&subject));

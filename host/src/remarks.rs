@@ -56,6 +56,7 @@ mod tests {
             sources: 0,
             mask_pixels: 0,
             unlabelled: 0,
+            regions: 0,
             unreached: 0,
             significance: 5.0,
             photon: 0.0,

@@ -31,8 +31,12 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
     let outcome = &run.outcome;
     let settings: Map<String, Value> =
         of_run(config, input).into_iter().map(|one| (one.name.replace('-', "_"), json_of(one.value))).collect();
-    let seconds: Map<String, Value> =
-        parts.iter().map(|(part, time)| (part.clone(), json!(time.as_secs_f64()))).collect();
+    let mut seconds = Map::new();
+    // A stage may come more than once.
+    for (part, time) in parts {
+        let before = seconds.get(part).and_then(Value::as_f64).unwrap_or(0.0);
+        seconds.insert(part.clone(), json!(before + time.as_secs_f64()));
+    }
     // The region's own front has neither tau nor a rule to stop by.
     let moved = |value: Value| if config.scheme != Scheme::Region { value } else { Value::Null };
     json!({
@@ -51,6 +55,8 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "pixels_removed_by_maps": input.removed,
         "min": outcome.extremes.least,
         "max": outcome.extremes.greatest,
+        "background": run.sky.as_ref().map(|sky| middle(&sky.level)),
+        "noise": run.sky.as_ref().map(|sky| middle(&sky.noise)),
         "arithmetic": run.arithmetic,
         "parameters": settings,
         "tau": moved(json!(outcome.tau)),
@@ -69,6 +75,16 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "labels_crc32": format!("{:08x}", label_digest(&run.labels)),
         "seconds": seconds,
     })
+}
+
+/// The median of the known values of a map; null where there is none.
+fn middle(map: &[f32]) -> Value {
+    let mut known: Vec<f32> = map.iter().copied().filter(|value| value.is_finite()).collect();
+    let half = known.len() / 2;
+    match half < known.len() {
+        true => json!(shortest(*known.select_nth_unstable_by(half, f32::total_cmp).1)),
+        false => Value::Null,
+    }
 }
 
 fn json_of(value: write::Value) -> Value {

@@ -1,5 +1,6 @@
 //! Work on many things by several threads, with the results in order.
 
+use skyfront_core::plane::crew::Crew;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, scope};
@@ -39,9 +40,50 @@ pub(crate) fn in_order<M: Default, T: Send>(
     pieces.into_iter().flat_map(|(_, piece)| piece).collect()
 }
 
+/// So many threads for the core's bands of rows; where one cannot be had, the others do its work.
+#[derive(Clone, Copy, Debug)]
+pub struct Threads(pub usize);
+
+impl Crew for Threads {
+    fn hands(&self) -> usize {
+        self.0.max(1)
+    }
+
+    fn each<T: Send>(&self, items: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
+        let items = Mutex::new(items);
+        let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let help = || {
+            while let Some(item) = next() {
+                work(item);
+            }
+        };
+        scope(|scope| {
+            for _ in 1..self.hands() {
+                if Builder::new().spawn_scoped(scope, help).is_err() {
+                    break;
+                }
+            }
+            help();
+        });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use skyfront_core::plane::crew::Alone;
+
+    #[test]
+    fn every_item_is_worked_on_once_whatever_the_threads() {
+        fn squares(crew: &impl Crew) -> Vec<usize> {
+            let mut numbers: Vec<usize> = (0..1000).collect();
+            crew.each(numbers.chunks_mut(7), |piece| piece.iter_mut().for_each(|number| *number *= *number));
+            numbers
+        }
+        for threads in [0, 1, 2, 5, 40] {
+            assert_eq!(squares(&Threads(threads)), squares(&Alone));
+        }
+    }
 
     #[test]
     fn results_come_in_order_whatever_the_threads() {

@@ -23,7 +23,7 @@ SEXTRACTOR = {
     "x": "X_IMAGE", "y": "Y_IMAGE", "xwin": "XWIN_IMAGE", "ywin": "YWIN_IMAGE", "errx2": "ERRX2_IMAGE",
     "errx2win": "ERRX2WIN_IMAGE", "a": "A_IMAGE", "b": "B_IMAGE", "ellipticity": "ELLIPTICITY", "flux": "FLUX_ISO",
     "flux_kron": "FLUX_AUTO", "flux_kron_err": "FLUXERR_AUTO", "half_light_radius": "FLUX_RADIUS",
-    "flux_aper_1": "FLUX_APER", "mag_kron": "MAG_AUTO", "kron_factor": "KRON_RADIUS", "background": "BACKGROUND",
+    "flux_aper_1": "FLUX_APER", "flux_petrosian": "FLUX_PETRO", "mag_kron": "MAG_AUTO", "kron_factor": "KRON_RADIUS", "background": "BACKGROUND",
 }
 
 
@@ -111,7 +111,7 @@ def compare(program, image, folder):
         print(f"{image}: no source")
         return
     pixels = first_image(image).astype(float)
-    print(f"\n{image}: {len(table)} sources")
+    print(f"\n{pathlib.Path(image).name}: {len(table)} sources")
     print(f"{'peer':17} {'column':18} {'number':>6} {'':10} {'median':>12} {'scatter':>11} {'5 %':>11} {'95 %':>11}")
     for peer, columns in [("photutils", photutils(pixels, labels, maps)), ("SEP", with_sep(pixels, labels, maps, table))]:
         for name, values in columns.items():

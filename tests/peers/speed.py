@@ -90,36 +90,72 @@ def fronts(small, runs, folder):
     table(title, "s", columns, "scikit-image")
 
 
-def whole(large, runs, folder):
-    with open(os.path.join(folder, "peer.param"), "w") as file:
-        file.write("NUMBER\nX_IMAGE\nY_IMAGE\nFLUX_ISO\nA_IMAGE\nB_IMAGE\nTHETA_IMAGE\nISOAREA_IMAGE\nFLAGS\n")
+ISOPHOTAL = ["NUMBER", "X_IMAGE", "Y_IMAGE", "FLUX_ISO", "A_IMAGE", "B_IMAGE", "THETA_IMAGE", "ISOAREA_IMAGE", "FLAGS"]
+# What our catalogue holds beside it.
+ALL = [*ISOPHOTAL, "FLUX_AUTO", "FLUXERR_AUTO", "FLUX_RADIUS", "KRON_RADIUS"]
+# Our columns that need the pixels of the sources only.
+OURS = "label,x,y,area,flux,a,b,theta,flags"
+
+
+def source_extractor(large, folder, columns):
+    """The command that writes a map and these columns."""
+    name = f"peer{len(columns)}.param"
+    with open(os.path.join(folder, name), "w") as file:
+        file.write("\n".join(columns) + "\n")
     with open(os.path.join(folder, "peer.conv"), "w") as file:
         file.write("CONV NORM\n1 2 1\n2 4 2\n1 2 1\n")
-    out = os.path.abspath(os.path.join(folder, "out"))
-    ours = [os.path.abspath(SKYFRONT), "segment", os.path.abspath(large), "--no-pictures", "--overwrite", "--quiet",
-            "--out", out, "--t-max", "200", "--preset", "paper-f160"]
-    commands = {
-        "source-extractor": ["source-extractor", os.path.abspath(large), "-c", "/dev/null",
-                             "-PARAMETERS_NAME", "peer.param", "-FILTER_NAME", "peer.conv",
-                             "-CHECKIMAGE_TYPE", "SEGMENTATION", "-CHECKIMAGE_NAME", "peer_map.fits",
-                             "-CATALOG_TYPE", "ASCII", "-CATALOG_NAME", "peer.cat", "-NTHREADS", "1",
-                             "-VERBOSE_TYPE", "QUIET"],
-        "skyfront fast-marching": [*ours, "--threads", "1", "--scheme", "fast-marching"],
-        "skyfront fast-marching, --map-only": [*ours, "--threads", "1", "--scheme", "fast-marching", "--map-only"],
-        "skyfront fd, start threshold": [*ours, "--threads", "1", "--band", "8", "--start", "threshold"],
-        "skyfront fd from the frame, band 8": [*ours, "--threads", "1", "--band", "8"],
-        "skyfront fd from the frame, band 8, 2 threads": [*ours, "--threads", "2", "--band", "8"],
-    }
+    return ["source-extractor", os.path.abspath(large), "-c", "/dev/null", "-PARAMETERS_NAME", name,
+            "-FILTER_NAME", "peer.conv", "-CHECKIMAGE_TYPE", "SEGMENTATION", "-CHECKIMAGE_NAME", "peer_map.fits",
+            "-CATALOG_TYPE", "ASCII", "-CATALOG_NAME", "peer.cat", "-NTHREADS", "1", "-VERBOSE_TYPE", "QUIET"]
+
+
+def in_turn(title, commands, runs, folder):
+    """Runs the commands in turn and prints what each took beside the first."""
     results = {name: [] for name in commands}
     for _ in range(runs):
         for name, words in commands.items():
             results[name].append(command(words, folder))
     for index, (what, unit) in enumerate((("wall seconds", "s"), ("processor seconds", "s"), ("peak memory", "MiB"))):
         columns = {name: [row[index] for row in rows] for name, rows in results.items()}
-        table(f"{large}, file to map and catalogue, {what}", unit, columns, "source-extractor")
+        table(f"{title}, {what}", unit, columns, next(iter(commands)))
+
+
+def ours(large, folder):
+    return [os.path.abspath(SKYFRONT), "segment", os.path.abspath(large), "--no-pictures", "--overwrite", "--quiet",
+            "--out", os.path.abspath(os.path.join(folder, "out"))]
+
+
+def the_default(large, runs, folder):
+    """The default beside a peer that measures the same."""
+    words = [*ours(large, folder), "--map-only"]
+    short = [*words, "--columns", OURS]
+    in_turn(f"{large}, the default, with FLUX_AUTO, FLUX_RADIUS and KRON_RADIUS", {
+        "source-extractor": source_extractor(large, folder, ALL),
+        "skyfront": [*words, "--threads", "1"],
+        "skyfront, 2 threads": [*words, "--threads", "2"],
+    }, runs, folder)
+    in_turn(f"{large}, the default, with what the sources' own pixels tell", {
+        "source-extractor": source_extractor(large, folder, ISOPHOTAL),
+        "skyfront": [*short, "--threads", "1"],
+        "skyfront, 2 threads": [*short, "--threads", "2"],
+    }, runs, folder)
+
+
+def whole(large, runs, folder):
+    words = [*ours(large, folder), "--t-max", "200", "--preset", "paper-f160"]
+    marching = [*words, "--threads", "1", "--scheme", "fast-marching"]
+    in_turn(f"{large}, file to map and catalogue", {
+        "source-extractor": source_extractor(large, folder, ISOPHOTAL),
+        "skyfront fast-marching": marching,
+        "skyfront fast-marching, --map-only": [*marching, "--map-only"],
+        "skyfront fd, start threshold": [*words, "--threads", "1", "--band", "8", "--start", "threshold"],
+        "skyfront fd from the frame, band 8": [*words, "--threads", "1", "--band", "8"],
+        "skyfront fd from the frame, band 8, 2 threads": [*words, "--threads", "2", "--band", "8"],
+    }, runs, folder)
 
 
 if __name__ == "__main__":
     small, large, runs, folder = sys.argv[1:]
+    the_default(large, int(runs), folder)
     fronts(small, int(runs), folder)
     whole(large, int(runs), folder)

@@ -8,7 +8,9 @@
 //! there nothing can move, and nothing is computed.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
+use crate::plane::rows::row_of;
 
 /// u is kept between minus and plus this.
 pub const BAND: f32 = 0.3;
@@ -40,11 +42,12 @@ struct Around<'a, L>([&'a [L]; 3]);
 impl<L: Level> Front<L> {
     /// Turns `plane`, smoothed signal-to-noise, into u, above 0 inside: the front starts at the
     /// threshold and takes its steps. `signal` has the force, less smoothed than the plane; `rows`
-    /// has room for two rows. Cost: a pass per step, which computes near the front only.
-    pub fn outline(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid) {
+    /// has room for two rows, and for four of every band where more than one works. Cost: a pass per step, which
+    /// computes near the front only.
+    pub fn outline(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
         self.start(plane);
         for _ in 0..self.steps {
-            self.step(signal, plane, rows, grid.width.get());
+            self.step(signal, plane, rows, grid, crew);
         }
     }
 
@@ -55,17 +58,37 @@ impl<L: Level> Front<L> {
         }
     }
 
-    /// One step of [`Front::outline`], in rows of `width`.
-    pub fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], width: usize) {
-        let Some((mut below, rest)) = rows.split_at_mut_checked(width) else { return };
-        let mut own = rest.get_mut(..width).unwrap_or(&mut []);
+    /// One step of [`Front::outline`].
+    pub fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
+        let (width, band) = (grid.width.get(), grid.width.get() * crew.rows(grid));
+        let bands = plane.len().div_ceil(band.max(1));
+        // The first and the last row of every band, for its neighbours, who see the old ones.
+        let borders = if bands > 1 { 2 * width * bands } else { 0 };
+        let Some((borders, rings)) = rows.split_at_mut_checked(borders) else { return };
+        for (borders, band) in borders.chunks_exact_mut(2 * width).zip(plane.chunks(band)) {
+            let ends = band.get(..width).into_iter().chain(band.get(band.len().saturating_sub(width)..)).flatten();
+            borders.iter_mut().zip(ends).for_each(|(border, &u)| *border = u);
+        }
+        let border = |row: Option<usize>| row.map_or(&[][..], |row| row_of(borders, width, row));
+        let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings.chunks_mut(2 * width)).enumerate();
+        crew.each(bands, |(index, ((plane, signal), ring))| {
+            let beside = [border((2 * index).checked_sub(1)), border(Some(2 * index + 2))];
+            self.band(signal, plane, ring, beside, width);
+        });
+    }
+
+    /// A step of a band, between the old rows beside it; beyond the frame these are empty.
+    fn band(&self, signal: &[L], plane: &mut [L], ring: &mut [L], beside: [&[L]; 2], width: usize) {
+        let Some((mut below, rest)) = ring.split_at_mut_checked(width) else { return };
+        let ([before, after], mut own) = (beside, rest.get_mut(..width).unwrap_or(&mut []));
+        below.iter_mut().zip(before).for_each(|(below, &u)| *below = u);
         let mut left = plane;
         for (y, signal) in signal.chunks_exact(width).enumerate() {
             let Some((out, above)) = left.split_at_mut_checked(width) else { return };
             own.iter_mut().zip(out.iter()).for_each(|(own, &u)| *own = u);
             // Beyond the frame u is what it is at its border.
-            let above_row = above.get(..width).unwrap_or(own);
-            let below_row = if y == 0 { &*own } else { &*below };
+            let above_row = above.get(..width).unwrap_or(if after.is_empty() { own } else { after });
+            let below_row = if y == 0 && before.is_empty() { &*own } else { &*below };
             self.row(Around([below_row, own, above_row]), signal, out);
             core::mem::swap(&mut below, &mut own);
             left = above;
@@ -171,6 +194,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::arithmetic::Fixed14;
+    use crate::plane::crew::Alone;
     use core::num::NonZero;
     use std::vec;
     use std::vec::Vec;
@@ -190,7 +214,7 @@ mod tests {
     }
 
     fn moved<L: Level>(front: &Front<L>, signal: &[L], mut plane: Vec<L>) -> Vec<L> {
-        front.outline(signal, &mut plane, &mut [L::ZERO; 2 * SIDE], grid());
+        front.outline(signal, &mut plane, &mut [L::ZERO; 2 * SIDE], grid(), &Alone);
         plane
     }
 

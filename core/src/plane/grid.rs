@@ -29,18 +29,30 @@ impl Grid {
     }
 
     /// The four cells that share an edge with the one at an index, and then the four that share a corner.
+    #[inline]
     pub fn neighbours(self, at: usize) -> impl Iterator<Item = usize> {
         self.touching(at, 8)
     }
 
     /// The first `most` of these directions, as far as the frame goes: with 4, cells that share an edge.
+    #[inline]
     pub fn touching(self, at: usize, most: usize) -> impl Iterator<Item = usize> {
-        const STEPS: [(isize, isize); 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
-        let (x, y) = self.place(at);
-        STEPS.into_iter().take(most).filter_map(move |(dx, dy)| {
-            let (x, y) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
-            (x < self.width.get() && y < self.height).then_some(y * self.width.get() + x)
-        })
+        let ((x, y), width) = (self.place(at), self.width.get());
+        let (left, right, below, above) = (x > 0, x + 1 < width, y > 0, y + 1 < self.height);
+        let (under, over) = (at.wrapping_sub(width), at + width);
+        [
+            (left, at.wrapping_sub(1)),
+            (right, at + 1),
+            (below, under),
+            (above, over),
+            (below && left, under.wrapping_sub(1)),
+            (below && right, under.wrapping_add(1)),
+            (above && left, over.wrapping_sub(1)),
+            (above && right, over + 1),
+        ]
+        .into_iter()
+        .take(most)
+        .filter_map(|(inside, near)| inside.then_some(near))
     }
 }
 

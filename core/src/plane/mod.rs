@@ -5,6 +5,7 @@
 //! have whole coordinates from (0, 0).
 
 pub(crate) mod beside;
+pub mod crew;
 pub mod field;
 pub mod grid;
 pub mod part;

@@ -40,6 +40,10 @@ pub enum Question {
     Photons(u32),
     /// The brightest sources and the light around them: see [`crate::sources::typical`].
     Typical,
+    /// Noise of the narrow image: sorted keys.
+    Narrow,
+    /// Sums of its powers.
+    NarrowPowers,
     /// Noise of the matched image: sorted keys.
     Matched,
     /// Sums of its powers.
@@ -48,8 +52,8 @@ pub enum Question {
     Slope,
     /// Sums of their powers.
     SlopePowers,
-    /// Peaks of what may be a source: sorted keys.
-    Peaks,
+    /// How far up in significance what may be a source is one: sorted keys.
+    Reaches,
 }
 
 /// Words of a cell in the answer to [`Question::Cells`]: its index, by which they are sorted, its pixels, those that
@@ -57,7 +61,7 @@ pub enum Question {
 pub const CELL_WORDS: usize = 6;
 
 /// The whole of an image, asked by one of its parts.
-pub trait Whole: Debug {
+pub trait Whole: Debug + Sync {
     /// Where the part lies.
     fn part(&self) -> Part;
 

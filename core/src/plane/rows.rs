@@ -13,3 +13,61 @@ pub fn row_of_mut<T>(plane: &mut [T], width: usize, y: usize) -> &mut [T] {
     let start = y.saturating_mul(width);
     plane.get_mut(start..start.saturating_add(width)).unwrap_or(&mut [])
 }
+
+/// Cells that are looked at together for a bit.
+const PIECE: usize = 16;
+
+/// The first cell from `from` on that has one of the `bits`: most of a plane of labels has none. Cost: a look at
+/// each cell up to there, [`PIECE`] at a time.
+pub fn next_with(plane: &[u32], from: usize, bits: u32) -> Option<usize> {
+    let rest = plane.get(from..)?;
+    let has = |cell: &u32| cell & bits != 0;
+    if rest.first().is_some_and(has) {
+        return Some(from);
+    }
+    let is_blank = |piece: &&[u32]| piece.iter().fold(0, |any, cell| any | cell) & bits == 0;
+    let blank = PIECE * rest.chunks(PIECE).take_while(is_blank).count();
+    rest.get(blank..)?.iter().position(has).map(|at| from + blank + at)
+}
+
+/// The last cell before `end` that has one of the `bits`.
+pub fn last_with(plane: &[u32], end: usize, bits: u32) -> Option<usize> {
+    let rest = plane.get(..end)?;
+    let has = |cell: &u32| cell & bits != 0;
+    if rest.last().is_some_and(has) {
+        return Some(end - 1);
+    }
+    let is_blank = |piece: &&[u32]| piece.iter().fold(0, |any, cell| any | cell) & bits == 0;
+    let blank = PIECE * rest.rchunks(PIECE).take_while(is_blank).count();
+    rest.get(..end.saturating_sub(blank))?.iter().rposition(has)
+}
+
+/// The cells that are not 0, with their indices.
+pub fn used(plane: &[u32]) -> impl Iterator<Item = (usize, u32)> {
+    let pieces = (0..).step_by(PIECE).zip(plane.chunks(PIECE));
+    let used = pieces.filter(|(_, piece)| piece.iter().fold(0, |any, cell| any | cell) != 0);
+    used.flat_map(|(first, piece)| (first..).zip(piece.iter().copied())).filter(|(_, cell)| *cell != 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_with_a_bit_is_met_once_in_either_direction() {
+        for length in [0, 1, 15, 16, 17, 100] {
+            for gap in [1, 2, 16, 17, 40, 1000] {
+                let mut plane = [0; 100];
+                let plane = &mut plane[..length];
+                plane.iter_mut().enumerate().for_each(|(at, cell)| *cell = if at % gap == gap / 2 { 6 } else { 1 });
+                let expected = || (0..length).filter(|at| at % gap == gap / 2);
+                let next = |from: usize| next_with(plane, from, 2);
+                assert!(core::iter::successors(next(0), |at| next(at + 1)).eq(expected()), "{length} {gap}");
+                let last = |end: usize| last_with(plane, end, 4);
+                assert!(core::iter::successors(last(length), |at| last(*at)).eq(expected().rev()), "{length} {gap}");
+                plane.iter_mut().for_each(|cell| *cell &= 2);
+                assert!(used(plane).eq(expected().map(|at| (at, 2))), "{length} {gap}");
+            }
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! Smoothing of a whole plane by a separable kernel, mirrored at the borders.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 
 /// The most weights of a kernel on one side of its centre.
@@ -37,18 +38,42 @@ impl Weights {
 
     /// Smooths `from` into `to`, both W x H; `between` holds the plane smoothed along its rows.
     /// Each sum begins with the centre and goes outwards. Cost: `4 radius` additions a pixel.
-    pub fn apply<L: Level>(&self, from: &[L], between: &mut [L], to: &mut [L], grid: Grid) {
-        self.along_rows(from, between, grid);
-        to.fill(L::ZERO);
-        self.add_along_columns(between, to, grid, 1.0);
+    pub fn apply<L: Level>(&self, from: &[L], between: &mut [L], to: &mut [L], grid: Grid, crew: &impl Crew) {
+        self.along_rows(from, between, grid, crew);
+        self.along_columns(between, to, grid, crew, |rows, first, to| {
+            to.fill(L::ZERO);
+            self.add_along_columns(rows, first, to, grid, 1.0);
+        });
     }
 
     /// Adds to a plane `strength` times what smoothing takes from it: an unsharp mask.
-    pub fn sharpen<L: Level>(&self, plane: &mut [L], between: &mut [L], grid: Grid, strength: f32) {
-        self.along_rows(plane, between, grid);
-        let gain = L::Weight::of(1.0 + strength);
-        plane.iter_mut().for_each(|value| *value = value.scaled(gain));
-        self.add_along_columns(between, plane, grid, -strength);
+    pub fn sharpen<L: Level>(&self, plane: &mut [L], between: &mut [L], grid: Grid, strength: f32, crew: &impl Crew) {
+        self.along_rows(plane, between, grid, crew);
+        let gain = 1.0 + strength;
+        self.along_columns(between, plane, grid, crew, |rows, first, plane| {
+            plane.iter_mut().for_each(|value| *value = value.scaled(L::Weight::of(gain)));
+            self.add_along_columns(rows, first, plane, grid, -strength);
+        });
+    }
+
+    /// Smooths all rows, band by band.
+    fn along_rows<L: Level>(&self, from: &[L], to: &mut [L], grid: Grid, crew: &impl Crew) {
+        let band = grid.width.get() * crew.rows(grid);
+        crew.each(from.chunks(band).zip(to.chunks_mut(band)), |(from, to)| self.rows(from, to, grid.width.get()));
+    }
+
+    /// Does `work` on every band of `to`, by the index of its first row; it reads all of `from`.
+    fn along_columns<L: Level>(
+        &self,
+        from: &[L],
+        to: &mut [L],
+        grid: Grid,
+        crew: &impl Crew,
+        work: impl Fn(&[L], usize, &mut [L]) + Sync,
+    ) {
+        let rows = crew.rows(grid);
+        let bands = (0..).step_by(rows).zip(to.chunks_mut(grid.width.get() * rows));
+        crew.each(bands, |(first, to)| work(from, first, to));
     }
 
     /// The weights beside the centre with their distances.
@@ -56,8 +81,8 @@ impl Weights {
         self.weights.into_iter().enumerate().take(self.radius + 1).skip(1)
     }
 
-    fn along_rows<L: Level>(&self, from: &[L], to: &mut [L], grid: Grid) {
-        let ([centre, ..], width) = (self.weights, grid.width.get());
+    fn rows<L: Level>(&self, from: &[L], to: &mut [L], width: usize) {
+        let [centre, ..] = self.weights;
         let centre = L::Weight::of(centre);
         for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
             out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
@@ -78,11 +103,12 @@ impl Weights {
         }
     }
 
-    fn add_along_columns<L: Level>(&self, from: &[L], to: &mut [L], grid: Grid, gain: f32) {
+    /// Adds `gain` times the smoothed columns of `from` to the rows from `first` on.
+    fn add_along_columns<L: Level>(&self, from: &[L], first: usize, to: &mut [L], grid: Grid, gain: f32) {
         let ([centre, ..], width) = (self.weights, grid.width.get());
         let centre = L::Weight::of(gain * centre);
         let row = |y: usize| from.get(y * width..(y + 1) * width).unwrap_or(&[]);
-        for (y, out) in to.chunks_exact_mut(width).enumerate() {
+        for (y, out) in (first..).zip(to.chunks_exact_mut(width)) {
             out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
             for (distance, weight) in self.sides() {
                 let [below, above] = mirrored(y, distance, grid.height);

@@ -16,6 +16,7 @@ use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Filter, Select};
 use crate::error::Error;
 use crate::front::outline::Front;
+use crate::plane::crew::{Alone, Crew};
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
 use crate::plane::part::{Question, Whole};
@@ -42,6 +43,8 @@ pub struct Found {
     pub mask_pixels: u32,
     /// Peaks for which the table of regions had no room: their pixels are in no source.
     pub unlabelled: u32,
+    /// Regions in the table; what lies behind them is of no run.
+    pub regions: usize,
     /// Pixels that no front can have reached: they are in no source.
     pub unreached: u32,
     /// The cut on the peak in the matched image, in its noise.
@@ -78,7 +81,7 @@ pub struct Extractor<'a, 'm, L: Level> {
     masked_from: L,
     noise: Noise<L>,
     count: Count,
-    cut: Cut<L>,
+    cut: Cut,
     kept: Kept,
     survey: Survey,
     unreached: u32,
@@ -139,8 +142,16 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     /// [`Error::NothingDefined`], or [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
     /// of its sky or of its noise.
     pub fn poll(&mut self) -> Result<Progress, Error> {
+        self.poll_by(&Alone)
+    }
+
+    /// The same by a crew, which has no part in the result.
+    ///
+    /// # Errors
+    /// As [`Extractor::poll`].
+    pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
-            self.step(stage)?;
+            self.step(stage, crew)?;
             if self.view.known.whole.is_some_and(Whole::is_waiting) {
                 return Err(Error::Waiting);
             }
@@ -149,7 +160,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         Ok(self.progress())
     }
 
-    fn step(&mut self, stage: Stage) -> Result<(), Error> {
+    fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
         let (round, known) = (self.round(), self.view.known.whole);
         if let Some(whole) = known.filter(|whole| round < first_round(*whole)) {
             return self.pass_over(stage, round, whole);
@@ -159,15 +170,15 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let survey = signal::measure(view, config.sky.cell(), round, &mut work.sky());
+                let survey = signal::measure(view, config.sky.cell(), round, &mut work.sky(), crew);
                 self.survey = survey.ok_or_else(|| self.no_noise())?;
             }
             Stage::Smooth => {
-                let tail = signal::smooth(view, round, &mut work.sky());
+                let tail = signal::smooth(view, round, &mut work.sky(), crew);
                 (self.noise.least, self.masked_from) = (tail.noise, tail.height(MASKED_PEAK));
             }
             Stage::Mask => {
-                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky());
+                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky(), crew);
             }
             Stage::Photon => {
                 let field = Field { values: &*work.signal, grid };
@@ -179,17 +190,13 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                     curvature: L::Weight::of(config.outline.curvature),
                     steps: config.outline.steps,
                 };
-                for at in 0..grid.cells() {
-                    let start = smoothed(config.filter, work).get(at).copied();
-                    if let (Some(u), Some(start)) = (work.front.get_mut(at), start) {
-                        *u = start;
-                    }
-                }
-                front.outline(work.fine, work.front, work.scratch, grid);
+                let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
+                work.front.iter_mut().zip(start).for_each(|(u, start)| *u = *start);
+                front.outline(work.fine, work.front, work.scratch, grid, crew);
             }
             Stage::Tree => {
                 let inside = |at: usize| has_signal(view, at);
-                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation());
+                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
             }
             Stage::Deblend => {
                 self.count = separate::deblend(known, grid, config, self.noise, self.count, &mut work.separation());
@@ -201,15 +208,15 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 drop_undefined(view, work.labels);
             }
             Stage::Select => {
-                let mut planes = work.selection();
+                let mut planes = work.selection(self.count.regions);
                 self.cut = match config.select {
                     Select::Area => {
                         selection::measure(&mut planes);
                         Cut::NONE
                     }
-                    Select::Significance => selection::cut(view, config, &mut planes),
+                    Select::Significance => selection::cut(view, config, &mut planes, crew),
                 };
-                self.kept = selection::keep(config, self.cut, work.labels, work.regions);
+                self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
             }
             _ => {}
         }
@@ -262,7 +269,8 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
 
     /// The image over which a front is to move: signal-to-noise, W x H, smoothed as the filter says.
     pub fn image(&self) -> &[L] {
-        smoothed(self.config.filter, &self.work)
+        let Workspace { signal, fine, smooth, .. } = &self.work;
+        smoothed(self.config.filter, [signal, fine, smooth])
     }
 
     /// The planes, the mesh and the regions as the steps so far left them.
@@ -297,6 +305,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             sources: self.kept.sources,
             mask_pixels: self.kept.pixels,
             unlabelled: self.count.left_out,
+            regions: self.count.regions,
             unreached: self.unreached,
             significance: self.cut.significance,
             photon: self.noise.photon,
@@ -310,19 +319,19 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
 /// needs the mask of the one before it.
 fn first_round(whole: &dyn Whole) -> u32 {
     let last = ROUNDS - 1;
-    if whole.knows(Question::Peaks) {
+    if whole.knows(Question::Reaches) {
         return last;
     }
     let open = (0..last).find(|&round| !whole.knows(Question::Details(round)));
     open.unwrap_or(last).saturating_sub(1)
 }
 
-/// Signal-to-noise as a filter leaves it.
-fn smoothed<'w, L: Level>(filter: Filter, work: &'w Workspace<'_, L>) -> &'w [L] {
+/// Signal-to-noise as a filter leaves it: as it is, lightly smoothed or smoothed by need.
+fn smoothed<L: Level>(filter: Filter, [signal, fine, smooth]: [&[L]; 3]) -> &[L] {
     match filter {
-        Filter::Gauss => work.fine,
-        Filter::Adaptive => work.smooth,
-        _ => work.signal,
+        Filter::Gauss => fine,
+        Filter::Adaptive => smooth,
+        _ => signal,
     }
 }
 
@@ -332,6 +341,9 @@ fn moved_elsewhere(config: &Config) -> Error {
 
 /// An undefined pixel between two of a source carries its light across, but is in no source.
 fn drop_undefined(view: &View<'_>, labels: &mut [u32]) {
+    if view.is_whole() {
+        return;
+    }
     for (_, label) in labels.iter_mut().enumerate().filter(|(at, _)| !view.is_defined(*at)) {
         *label = 0;
     }

@@ -108,8 +108,8 @@ impl<L: Level> Workspace<'_, L> {
         }
     }
 
-    /// What the steps that select sources need.
-    pub(crate) fn selection(&mut self) -> selection::Planes<'_, L> {
+    /// What the steps that select sources need, of so many regions.
+    pub(crate) fn selection(&mut self, regions: usize) -> selection::Planes<'_, L> {
         selection::Planes {
             signal: self.signal,
             matched: self.fine,
@@ -117,7 +117,7 @@ impl<L: Level> Workspace<'_, L> {
             scratch: self.scratch,
             keys: Keys(self.parents, self.order),
             labels: self.labels,
-            regions: self.regions,
+            regions: self.regions.get_mut(..regions).unwrap_or(&mut []),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
+use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
 use crate::plane::part::{CELL_WORDS, Question, Whole};
 use crate::plane::sort::{self, Keys};
@@ -103,18 +104,50 @@ impl<'m> Mesh<'m> {
     pub fn measure(
         &mut self,
         pixels: &[f32],
-        seen: impl Fn(usize) -> Seen,
+        seen: impl Fn(usize) -> Seen + Sync,
+        values: &Values,
+        keys: Keys<'_>,
+    ) -> Survey {
+        self.measure_by(&Alone, pixels, seen, values, keys)
+    }
+
+    /// The same by a crew, which takes the rows of cells where `keys` has room for [`cell_pixels`] for each of them.
+    pub fn measure_by(
+        &mut self,
+        crew: &impl Crew,
+        pixels: &[f32],
+        seen: impl Fn(usize) -> Seen + Sync,
         values: &Values,
         mut keys: Keys<'_>,
     ) -> Survey {
         let (size, grid) = (self.size, self.grid);
-        let count = |index: usize| Count::of(cell_of(size, grid, index).map(&seen));
-        let sky = |index: usize| {
-            let sky = cell_of(size, grid, index).filter(|&at| seen(at) == Seen::Sky);
-            // Adding 0 gives both zeros one key.
-            clipped(keys.sorted(sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values)
+        let row_of_cells = |row: usize, cells: &mut [Sky], mut keys: Keys<'_>| {
+            let mut told = Told::default();
+            for (column, cell) in cells.iter_mut().enumerate() {
+                let mut count = Count::default();
+                // Adding 0 gives both zeros one key.
+                let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
+                let places = cell_of(size, grid, row * grid.width.get() + column);
+                let sorted = keys.sorted(places.filter(|&at| count.sees(seen(at)) == Seen::Sky).map(value));
+                if told.hears(column, &count) {
+                    *cell = clipped(sorted, values);
+                }
+            }
+            told
         };
-        self.settle(count, sky)
+        let room = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
+        let mut told = [Told::default(); MOST_CELLS];
+        let rows = self.cells.chunks_mut(grid.width.get()).zip(&mut told).enumerate();
+        if crew.hands() > 1 && room > 0 && keys.room() >= room * grid.height {
+            let Keys(keys, spare) = keys;
+            let keys = keys.chunks_mut(room).zip(spare.chunks_mut(room));
+            crew.each(rows.zip(keys), |((row, (cells, told)), (keys, spare))| {
+                *told = row_of_cells(row, cells, Keys(keys, spare));
+            });
+        } else {
+            rows.for_each(|(row, (cells, told))| *told = row_of_cells(row, cells, keys.again()));
+        }
+        self.settle(&told)
     }
 
     /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
@@ -139,46 +172,34 @@ impl<'m> Mesh<'m> {
             x.zip(y).is_some_and(|place| part.owns(place))
         };
         let words = |index: usize| {
-            let Count { all, defined, sky } = Count::of(places(index).map(&seen));
-            let values_of_sky = places(index).filter(|&at| seen(at) == Seen::Sky);
-            let Sky { level, noise } =
-                clipped(keys.sorted(values_of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0))), values);
+            let mut count = Count::default();
+            let of_sky = places(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
+            let sorted = keys.sorted(of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0)));
+            let (Sky { level, noise }, Count { all, defined, sky }) = (clipped(sorted, values), count);
             [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
         };
         let answer = whole.words(Question::Cells(round), &mut (0..grid.cells()).filter(is_own).flat_map(words))?;
         let cell = |index: usize| answer.get(index * CELL_WORDS..).and_then(|words| words.first_chunk::<CELL_WORDS>());
-        let count = |index: usize| {
-            let [_, all, defined, sky, ..] = cell(index).map_or([0; CELL_WORDS], |cell| *cell);
-            Count { all: all as usize, defined: defined as usize, sky: sky as usize }
-        };
-        let sky = |index: usize| {
-            cell(index).map_or(Sky::UNKNOWN, |&[.., level, noise]| Sky {
-                level: f32::from_bits(level),
-                noise: f32::from_bits(noise),
-            })
-        };
-        Some(self.settle(count, sky))
+        let mut told = [Told::default(); MOST_CELLS];
+        for (index, own) in self.cells.iter_mut().enumerate() {
+            let Some(&[_, all, defined, sky, level, noise]) = cell(index) else { continue };
+            let count = Count { all: all as usize, defined: defined as usize, sky: sky as usize };
+            let (column, row) = grid.place(index);
+            if told.get_mut(row).is_some_and(|told| told.hears(column, &count)) {
+                *own = Sky { level: f32::from_bits(level), noise: f32::from_bits(noise) };
+            }
+        }
+        Some(self.settle(&told))
     }
 
-    /// Settles what every cell has, of its counts and of its sky, which is asked for where that is enough.
-    fn settle(&mut self, count: impl Fn(usize) -> Count, mut sky: impl FnMut(usize) -> Sky) -> Survey {
-        let mut survey = Survey::default();
-        for index in 0..self.cells.len() {
-            let count = count(index);
-            survey.cells += u32::from(count.defined > 0);
-            survey.measured += u32::from(count.is_enough());
-        }
-        let crowded = survey.is_crowded();
-        for index in 0..self.cells.len() {
-            let measured = if count(index).is_enough() {
-                sky(index)
-            } else if crowded {
-                Self::cell(self.cells, index)
-            } else {
-                Sky::UNKNOWN
-            };
-            if let Some(cell) = self.cells.get_mut(index) {
-                *cell = measured;
+    /// Settles what cells have that were not measured, from what was told of every row.
+    fn settle(&mut self, told: &[Told]) -> Survey {
+        let sum = |part: fn(&Survey) -> u32| told.iter().map(|told| part(&told.survey)).sum();
+        let survey = Survey { cells: sum(|survey| survey.cells), measured: sum(|survey| survey.measured) };
+        if !survey.is_crowded() {
+            for (row, told) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(told) {
+                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| told.enough >> column & 1 == 0);
+                unmeasured.for_each(|(_, cell)| *cell = Sky::UNKNOWN);
             }
         }
         self.fill();
@@ -234,17 +255,41 @@ impl<'m> Mesh<'m> {
     /// Background and noise at a pixel: bilinear between the centres of cells; beyond the outer ones
     /// the level goes on straight, the noise stays.
     pub fn at(&self, x: usize, y: usize) -> Sky {
-        let columns = self.grid.width.get();
-        let (across, up) = (Between::new(x, columns, self.scale.0), Between::new(y, self.grid.height, self.scale.1));
-        let blend = |value: fn(Sky) -> f32, part: fn(Between) -> f32| {
-            let row = |row: usize| {
-                let at = |column: usize| value(Self::cell(self.cells, row * columns + column));
-                at(across.first) * (1.0 - part(across)) + at(across.next) * part(across)
-            };
-            row(up.first) * (1.0 - part(up)) + row(up.next) * part(up)
-        };
-        Sky { level: blend(|sky| sky.level, |place| place.part), noise: blend(|sky| sky.noise, Between::inside) }
+        let (mut level, mut noise) = ([0.0], [0.0]);
+        self.along(x, y, &mut level, &mut noise);
+        let ([level], [noise]) = (level, noise);
+        Sky { level, noise }
     }
+
+    /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
+    pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
+        let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
+        let corners = |column: usize| [up.first, up.next].map(|row| Self::cell(self.cells, row * columns + column));
+        let until = x + level.len().min(noise.len());
+        let (mut x, mut rest) = (x, level.iter_mut().zip(noise));
+        while x < until {
+            // Columns that lie between the same two cells.
+            let Between { first, next, .. } = Between::new(x, columns, self.scale.0);
+            let end = Between::end(x, until, columns, self.scale.0);
+            let corners = [first, next].map(corners);
+            let levels = corners.map(|cells| cells.map(|sky| sky.level));
+            let noises = corners.map(|cells| cells.map(|sky| sky.noise));
+            for ((level, noise), x) in rest.by_ref().take(end - x).zip(x..) {
+                let across = Between::after(first, x, self.scale.0);
+                *level = blend(levels, across.part, up.part);
+                *noise = blend(noises, across.inside(), up.inside());
+            }
+            x = end;
+        }
+    }
+}
+
+/// Bilinear between two columns of two values each.
+#[inline(always)]
+fn blend([before, after]: [[f32; 2]; 2], across: f32, up: f32) -> f32 {
+    let row = |before: f32, after: f32| before * (1.0 - across) + after * across;
+    let ([first, next], [first_after, next_after]) = (before, after);
+    row(first, first_after) * (1.0 - up) + row(next, next_after) * up
 }
 
 /// First and last column, first and last row of a cell, the last not included.
@@ -266,6 +311,25 @@ fn middle_of(size: (usize, usize), grid: Grid, index: usize) -> (usize, usize) {
     (usize::midpoint(left, right), usize::midpoint(bottom, top))
 }
 
+/// What is told of a row of cells.
+#[derive(Clone, Copy, Default)]
+struct Told {
+    survey: Survey,
+    /// A bit for each cell that has enough sky.
+    enough: u64,
+}
+
+impl Told {
+    /// Hears of the pixels of a cell; whether it has enough sky to be measured.
+    fn hears(&mut self, column: usize, count: &Count) -> bool {
+        let is_enough = count.is_enough();
+        self.survey.cells += u32::from(count.defined > 0);
+        self.survey.measured += u32::from(is_enough);
+        self.enough |= u64::from(is_enough) << column;
+        is_enough
+    }
+}
+
 /// What the pixels of a cell are.
 #[derive(Default)]
 struct Count {
@@ -275,12 +339,12 @@ struct Count {
 }
 
 impl Count {
-    fn of(pixels: impl Iterator<Item = Seen>) -> Count {
-        pixels.fold(Count::default(), |count, seen| Count {
-            all: count.all + 1,
-            defined: count.defined + usize::from(seen != Seen::Undefined),
-            sky: count.sky + usize::from(seen == Seen::Sky),
-        })
+    #[inline]
+    fn sees(&mut self, seen: Seen) -> Seen {
+        self.all += 1;
+        self.defined += usize::from(seen != Seen::Undefined);
+        self.sky += usize::from(seen == Seen::Sky);
+        seen
     }
 
     fn is_enough(&self) -> bool {
@@ -328,11 +392,33 @@ struct Between {
 
 impl Between {
     fn new(at: usize, cells: usize, scale: f32) -> Between {
-        let place = (at as f32 + 0.5) * scale - 0.5;
-        let first = (place as usize).min(cells.saturating_sub(2));
-        Between { first, next: (first + 1).min(cells.saturating_sub(1)), part: place - first as f32 }
+        let first = Self::first(at, cells, scale);
+        Between { next: (first + 1).min(cells.saturating_sub(1)), ..Self::after(first, at, scale) }
     }
 
+    fn first(at: usize, cells: usize, scale: f32) -> usize {
+        (((at as f32 + 0.5) * scale - 0.5) as usize).min(cells.saturating_sub(2))
+    }
+
+    /// A place between the cell `first` and the one after it.
+    #[inline(always)]
+    fn after(first: usize, at: usize, scale: f32) -> Between {
+        Between { first, next: first + 1, part: ((at as f32 + 0.5) * scale - 0.5) - first as f32 }
+    }
+
+    /// The first place after `at`, at most `until`, that lies after another cell.
+    fn end(at: usize, until: usize, cells: usize, scale: f32) -> usize {
+        let first = Self::first(at, cells, scale);
+        let (mut inside, mut end) = (at, until);
+        while end - inside > 1 {
+            let middle = inside.midpoint(end);
+            let after = Self::first(middle, cells, scale) == first;
+            (inside, end) = if after { (middle, end) } else { (inside, middle) };
+        }
+        end
+    }
+
+    #[inline(always)]
     fn inside(self) -> f32 {
         let part = if self.part > 0.0 { self.part } else { 0.0 };
         if part < 1.0 { part } else { 1.0 }
@@ -365,7 +451,7 @@ mod tests {
         (0..noise.len()).map(|at| noise[at * 7919 % noise.len()] + level(at % SIDE, at / SIDE)).collect()
     }
 
-    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen) -> Survey {
+    fn measure(mesh: &mut Mesh<'_>, pixels: &[f32], seen: impl Fn(usize, usize) -> Seen + Sync) -> Survey {
         let room = cell_pixels(SIDE, SIDE, CELL);
         let (mut keys, mut spare) = (std::vec![0; room], std::vec![0; room]);
         let seen = |at: usize| seen(at % SIDE, at / SIDE);
@@ -388,6 +474,24 @@ mod tests {
             assert!((sky.level - slope(x, y)).abs() < 0.2, "{} beside {} at {x}, {y}", sky.level, slope(x, y));
             // A cell of 64 pixels spans 3.2 and 1.9 of the slope.
             assert!((1.0..1.6).contains(&sky.noise), "{} at {x}, {y}", sky.noise);
+        }
+    }
+
+    #[test]
+    fn along_a_row_there_is_what_there_is_at_each_pixel() {
+        for side in [1, 63, 100, 130, SIDE] {
+            let mut cells: Vec<Sky> = (0..mesh_cells(side, side, CELL))
+                .map(|n| Sky { level: (n * 7919 % 101) as f32 - 0.3, noise: 1.0 + (n * 31 % 17) as f32 })
+                .collect();
+            let mesh = Mesh::over(&mut cells, (side, side), CELL);
+            let (mut level, mut noise) = (std::vec![0.0; side], std::vec![0.0; side]);
+            for (first, y) in [(0, 0), (side / 3, side / 2), (side - 1, side - 1)] {
+                mesh.along(first, y, &mut level[first..], &mut noise[first..]);
+                for x in first..side {
+                    let sky = mesh.at(x, y);
+                    assert_eq!([level[x], noise[x]].map(f32::to_bits), [sky.level, sky.noise].map(f32::to_bits));
+                }
+            }
         }
     }
 

@@ -1,10 +1,13 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::crew::{Crew, MOST_BANDS};
+use crate::plane::grid::Grid;
 use crate::plane::part::{self, Question, Whole};
+use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
-use crate::sky::spike::cleaned;
+use crate::sky::spike::clean;
 use crate::sky::tail::Tail;
 use crate::sky::view::{Known, View};
 use crate::sky::{Mesh, Seen, Sky, Survey};
@@ -35,10 +38,16 @@ pub struct Planes<'m, L: Level> {
     pub mesh: &'m mut [Sky],
 }
 
-/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined pixel has the mean of the two
-/// between which it lies, or none. Tells how the sky was measured; `None` where there is no noise
-/// to divide by. `round` counts how often it has been measured.
-pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Planes<'_, L>) -> Option<Survey> {
+/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
+/// pixel has the mean of the two between which it lies, or none. Tells how the sky was measured; `None`
+/// where there is no noise to divide by. `round` counts how often it has been measured.
+pub fn measure<L: Level>(
+    view: &View<'_>,
+    cell: usize,
+    round: u32,
+    work: &mut Planes<'_, L>,
+    crew: &impl Crew,
+) -> Option<Survey> {
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
@@ -50,7 +59,7 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Pl
     };
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
     let survey = match known.whole {
-        None => mesh.measure(pixels, seen, &values, keys.again()),
+        None => mesh.measure_by(crew, pixels, seen, &values, keys.again()),
         // Nothing can be done before it is known.
         Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
             Some(survey) => survey,
@@ -65,25 +74,23 @@ pub fn measure<L: Level>(view: &View<'_>, cell: usize, round: u32, work: &mut Pl
         factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
     }
     // A part may have no pixel, where the image has.
-    let mut noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
-    for (at, (out, &pixel)) in work.scratch.iter_mut().zip(pixels).enumerate() {
-        let sky = sky_at(at);
-        let level = Known::value(known.background, at).unwrap_or(sky.level);
-        let noise = Known::value(known.noise, at).map_or(sky.noise, |noise| factor * noise);
-        let signal = (pixel - level) / noise;
-        let usable = view.is_defined(at) && noise > 0.0 && signal.is_finite();
-        noise_seen |= usable;
-        *out = if usable { L::of(signal) } else { L::ZERO };
-    }
-    bridge(view, work.scratch);
-    let row = |y: Option<usize>| y.and_then(|y| work.scratch.get(y * width..(y + 1) * width)).unwrap_or(&[]);
-    for (y, out) in work.signal.chunks_exact_mut(width).enumerate() {
-        let rows = [row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))];
-        for (x, out) in out.iter_mut().enumerate() {
-            *out = cleaned(rows, x);
+    let noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
+    let (rows, mut seen_in) = (crew.rows(grid), [noise_seen; MOST_BANDS]);
+    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(width * rows)).zip(&mut seen_in);
+    crew.each(bands, |((first, band), noise_seen)| {
+        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+            *noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
         }
-    }
-    noise_seen.then_some(survey)
+    });
+    bridge(view, work.scratch);
+    let signal = &*work.scratch;
+    let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(signal, width, y));
+    crew.each((0..).step_by(rows).zip(work.signal.chunks_mut(width * rows)), |(first, band): (usize, _)| {
+        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+            clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
+        }
+    });
+    seen_in.contains(&true).then_some(survey)
 }
 
 /// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
@@ -93,8 +100,53 @@ pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn 
     mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, work.keys.again());
 }
 
+/// Pixels of a row whose sky is looked up together.
+const PIECE: usize = 64;
+
+/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. The mesh is read from a
+/// column and row of its frame on; noise that is given counts `factor` times.
+fn signal_row<L: Level>(
+    view: &View<'_>,
+    y: usize,
+    (mesh, (left, bottom)): (&Mesh<'_>, (usize, usize)),
+    factor: f32,
+    out: &mut [L],
+) -> bool {
+    let &View { pixels, grid, values, .. } = view;
+    let (width, mut noise_seen) = (grid.width.get(), false);
+    let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
+    for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
+        let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
+        let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
+        let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
+        mesh.along(left + x, bottom + y, level, noise);
+        if let Some(map) = view.known.background {
+            level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
+        }
+        if let Some(map) = view.known.noise {
+            let noise = noise.iter_mut().zip(from(map, width, x, y));
+            noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
+        }
+        for (((out, &pixel), &level), &noise) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise) {
+            let signal = (pixel - level) / noise;
+            let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
+            noise_seen |= usable;
+            *out = L::of(if usable { signal } else { 0.0 });
+        }
+    }
+    noise_seen
+}
+
+/// Row `y` of a map from column `x` on.
+fn from(map: &[f32], width: usize, x: usize, y: usize) -> &[f32] {
+    row_of(map, width, y).get(x..).unwrap_or(&[])
+}
+
 /// Gives undefined pixels between two defined ones their mean.
 fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
+    if view.is_whole() {
+        return;
+    }
     let half = L::Weight::of(0.5);
     for at in (0..signal.len()).filter(|&at| !view.is_defined(at)) {
         let Some(pair) = view.between(at) else { continue };
@@ -121,31 +173,29 @@ fn typical(
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>) -> Tail<L> {
+pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
     let grid = view.grid;
-    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid);
+    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid, crew);
     let fine = &*work.fine;
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Fine(round), Question::FinePowers(round)];
     let tail = view.tail(questions, |at| value(fine, at), work.masked, work.keys.again());
-    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid);
+    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid, crew);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
     let questions = [Question::Details(round), Question::DetailPowers(round)];
     let details = view.tail(questions, detail, work.masked, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
-        if (fine - *smooth).magnitude() >= least {
-            *smooth = fine;
-        }
+        *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
     }
     tail
 }
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>) {
+pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>, crew: &impl Crew) {
     let grid = view.grid;
-    let (source, perhaps) = (L::ONE, L::of(0.5));
+    let (source, perhaps) = (L::ONE, perhaps());
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
         *fine = match (smooth > outline, *fine > peak) {
             (true, true) => source,
@@ -155,19 +205,24 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
     }
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
     let marks = &mut *work.fine;
-    for index in (0..marks.len()).chain((0..marks.len()).rev()).chain(0..marks.len()) {
-        let marked = |at: usize| marks.get(at).is_some_and(|&mark| mark == source);
-        if marks.get(index).is_some_and(|&mark| mark == perhaps)
-            && grid.neighbours(index).any(marked)
-            && let Some(mark) = marks.get_mut(index)
-        {
-            *mark = source;
+    for backwards in [false, true, false] {
+        let pieces = marks.len().div_ceil(MARKS);
+        for piece in 0..pieces {
+            let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
+            let end = marks.len().min(first + MARKS);
+            let is_open = |marks: &[L]| marks.iter().fold(false, |any, &mark| any | (mark == perhaps));
+            if marks.get(first..end).is_some_and(is_open) {
+                for index in first..end {
+                    let index = if backwards { end - 1 - (index - first) } else { index };
+                    mark_beside(marks, index, grid);
+                }
+            }
         }
     }
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
         *mark = L::ZERO;
     }
-    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid);
+    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid, crew);
     let near = L::of(0.2);
     for cell in work.masked.iter_mut() {
         *cell = if *cell > near { L::ONE } else { L::ZERO };
@@ -175,8 +230,30 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
     mask_undefined(view, work.masked);
 }
 
+/// Marks that are looked at together.
+const MARKS: usize = 16;
+
+/// The mark of a pixel that is a source's if it touches one.
+fn perhaps<L: Level>() -> L {
+    L::of(0.5)
+}
+
+/// Marks a pixel that may be a source's where it touches one.
+fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) {
+    let is = |at: usize, wanted: L| marks.get(at).is_some_and(|&mark| mark == wanted);
+    if is(index, perhaps())
+        && grid.neighbours(index).any(|at| is(at, L::ONE))
+        && let Some(mark) = marks.get_mut(index)
+    {
+        *mark = L::ONE;
+    }
+}
+
 /// Masks the pixels without a signal: they would count as quiet sky.
 pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
+    if view.is_whole() {
+        return;
+    }
     for (_, mask) in masked.iter_mut().enumerate().filter(|(at, _)| !view.has_signal(*at)) {
         *mask = L::ONE;
     }
@@ -185,7 +262,6 @@ pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::grid::Grid;
 
     extern crate std;
 

@@ -5,26 +5,40 @@ use crate::plane::sort;
 
 /// The most that a pixel's value may exceed its neighbours by, in noise units.
 const HEIGHT: f32 = 5.0;
-/// A pixel whose neighbours' median reaches this part of it is a star.
+/// A pixel whose neighbours' median reaches this part of it is a star. So is one whose four neighbours
+/// across an edge have this part of it together: a star so sharp that it lights hardly two by two
+/// pixels still has a third of its brightest pixel there, wherever in a pixel its centre lies, and the noise
+/// of four pixels may take some of it.
 const SHARE: f32 = 0.25;
-/// So is one whose four neighbours across an edge have this part of it together: a star so sharp
-/// that it lights hardly two by two pixels still has a third of its brightest pixel there, wherever
-/// in a pixel its centre lies.
-const EDGE_SHARE: f32 = 0.3;
 
-/// The value at `x` of the middle of three rows of signal-to-noise: its own, or where it is a
-/// spike the median of its neighbours. Rows beyond the frame are empty.
-pub fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {
+/// Copies the middle of three rows of signal-to-noise to `out`, each spike replaced by the median of its
+/// neighbours. Rows beyond the frame are empty.
+pub fn clean<L: Level>(rows: [&[L]; 3], out: &mut [L]) {
+    let ([_, row, _], height) = (rows, L::of(HEIGHT));
+    let pieces = out.chunks_mut(PIECE).zip(row.chunks(PIECE));
+    for (first, (out, row)) in (0..).step_by(PIECE).zip(pieces) {
+        out.iter_mut().zip(row).for_each(|(out, value)| *out = *value);
+        if row.iter().fold(false, |any, value| any | (*value > height)) {
+            let bright = out.iter_mut().zip(first..).filter(|(value, _)| **value > height);
+            bright.for_each(|(value, x)| *value = cleaned(rows, x));
+        }
+    }
+}
+
+/// Pixels of a row that are looked at together.
+const PIECE: usize = 16;
+
+/// The value at `x` of the middle of three rows: its own, or where it is a spike the median of its neighbours.
+fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {
     let [_, row, _] = rows;
     let own = row.get(x).copied().unwrap_or(L::ZERO);
-    let height = L::of(HEIGHT);
-    if own <= height {
+    let below = |light: L| light < own.scaled(L::Weight::of(SHARE));
+    if own <= L::of(HEIGHT) || !below(across_edges(rows, x)) {
         return own;
     }
     let median = median_around(rows, x);
-    let below = |light: L, share: f32| light < own.scaled(L::Weight::of(share));
-    let alone = below(median.positive() + L::ONE, SHARE) && below(across_edges(rows, x), EDGE_SHARE);
-    if own - median > height && alone { median } else { own }
+    let alone = below(median.positive() + L::ONE);
+    if own - median > L::of(HEIGHT) && alone { median } else { own }
 }
 
 /// The median of the up to eight neighbours of a pixel.
@@ -82,10 +96,10 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_with_less_than_a_third_of_its_light_around_it_is_a_spike() {
+    fn a_pixel_with_less_than_a_quarter_of_its_light_around_it_is_a_spike() {
         let cross = |arm: f32| [[0.0, arm, 0.0], [arm, 1.0, arm], [0.0, arm, 0.0]];
-        assert_eq!(middle(cross(0.07), 100.0), 3.5, "the median of four at 0 and four at 7");
-        assert_eq!(middle(cross(0.08), 100.0), 100.0);
+        assert_eq!(middle(cross(0.06), 100.0), 3.0, "the median of four at 0 and four at 6");
+        assert_eq!(middle(cross(0.07), 100.0), 100.0);
         assert_eq!(middle(cross(0.0), 5.0), 5.0, "noise is no spike");
     }
 

@@ -109,6 +109,7 @@ impl Values {
     }
 
     /// Whether a value is an observation.
+    #[inline]
     pub fn holds(&self, value: f32) -> bool {
         value.is_finite() && value != self.fill
     }

@@ -28,11 +28,13 @@ impl Known<'_> {
         self.whole.map_or(frame, |whole| whole.part().image)
     }
 
+    #[inline]
     pub(crate) fn value(map: Option<&[f32]>, at: usize) -> Option<f32> {
         map.and_then(|map| map.get(at).copied())
     }
 
     /// Whether the maps leave the pixel defined.
+    #[inline]
     pub(crate) fn allows(&self, at: usize) -> bool {
         Self::value(self.background, at).is_none_or(f32::is_finite)
             && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
@@ -78,8 +80,15 @@ impl<'a> View<'a> {
     }
 
     /// Whether a pixel is an observation that may be used.
+    #[inline]
     pub fn is_defined(&self, at: usize) -> bool {
         self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
+    }
+
+    /// Whether every pixel is defined, of all of the image where this is a part.
+    pub(crate) fn is_whole(&self) -> bool {
+        let (columns, rows) = self.image();
+        self.values.defined as usize == columns * rows
     }
 
     /// The two defined pixels of its row, or else of its column, between which an undefined one lies.

@@ -3,6 +3,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::field::{Field, offset};
+use crate::plane::rows::used;
 use crate::sources::tree::{Noise, Region};
 
 /// A source is wide when so many of its pixels are above half its peak: a disc of eight pixels.
@@ -35,7 +36,7 @@ pub fn centre_on_light<L: Level>(
         (region.area, region.plateau, region.offsets) = (0, 0.0, (0.0, 0.0));
     }
     let half = L::Weight::of(0.5);
-    for (at, &label) in labels.iter().enumerate() {
+    for (at, label) in used(labels) {
         if let Some(region) = region_of(regions, label)
             && field.at(at) > field.at(region.peak as usize).scaled(half)
         {
@@ -70,7 +71,7 @@ fn add<L: Level>(field: Field<'_, L>, region: &mut Region<L>, at: usize) {
 /// Counts the pixels of plateaus; `area` is that above half the peak.
 fn find_plateaus<L: Level>(light: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>], noise: Noise<L>) {
     let level = L::Weight::of(LEVEL);
-    for (at, &label) in labels.iter().enumerate() {
+    for (at, label) in used(labels) {
         if let Some(region) = region_of(regions, label)
             && light.at(at) > light.at(region.peak as usize).scaled(level)
         {

@@ -5,6 +5,7 @@ use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
+use crate::plane::rows::{last_with, next_with, row_of};
 use crate::sky::photon::grown;
 use crate::sources::tree::{Count, Noise, Region};
 use crate::sources::typical::Typical;
@@ -97,10 +98,15 @@ pub fn reopen<L: Level>(
     let Count { regions: mut count, mut left_out } = count;
     let (new, least) = (L::Weight::of(NEW), L::of(excess * noise.least.to_f32()));
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(noise.photon, field.at(at));
-    for at in 0..labels.len() {
+    let mut next = 0;
+    while let Some(at) = next_with(labels, next, u32::MAX) {
+        next = at + 1;
         let label = label_at(labels, at);
         let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
-        if let Some(mirrored) = field.mirrored(region.centre, at)
+        // Hosts have no light below 0.
+        if field.at(at) > least
+            && let Some(mirrored) = field.mirrored(region.centre, at)
+            && field.at(at) > mirrored.scaled(new)
             && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
             && field.at(at) > host.scaled(new)
             && significant(at, host)
@@ -109,12 +115,10 @@ pub fn reopen<L: Level>(
             *cell |= OPEN;
         }
     }
-    for first in 0..labels.len() {
-        let open = label_at(labels, first);
-        if open & OPEN == 0 {
-            continue;
-        }
-        let host = open & !OPEN;
+    let mut next = 0;
+    while let Some(first) = next_with(labels, next, OPEN) {
+        next = first + 1;
+        let host = label_at(labels, first) & !OPEN;
         let (known, beside) =
             gather((field.grid, connectivity), first, (labels, queue), |label| light_of(regions, label));
         let group = queue.get(..known).unwrap_or(&[]);
@@ -226,11 +230,15 @@ fn add<L: Level>(field: Field<'_, L>, group: &[u32], host: u32, regions: &mut [R
 pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], sweeps: u32) {
     let other_from = L::Weight::of(OTHER);
     for sweep in 0..sweeps {
-        let mut changed = false;
-        for index in 0..labels.len() {
-            let at = if sweep % 2 == 0 { index } else { labels.len() - 1 - index };
+        let (mut changed, mut next) = (false, 0);
+        let forwards = sweep % 2 == 0;
+        while let Some(index) =
+            if forwards { next_with(labels, next, u32::MAX) } else { last_with(labels, labels.len() - next, u32::MAX) }
+        {
+            let at = index;
+            next = if forwards { at + 1 } else { labels.len() - at };
             let own = label_at(labels, at);
-            if own == 0 {
+            if is_alone(labels, field.grid, at) {
                 continue;
             }
             let mut best = own;
@@ -258,29 +266,64 @@ pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Reg
     }
 }
 
+/// Whether a pixel within the frame touches no other source along an edge.
+fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
+    let (width, x, y, own) = (width.get(), at % width, at / width, label_at(labels, at));
+    let inner = x > 0 && x + 1 < width && y > 0 && y + 1 < height;
+    let is_other = |at: usize| ![0, own].contains(&label_at(labels, at));
+    inner && ![at - 1, at + 1, at - width, at + width].into_iter().any(is_other)
+}
+
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
 /// pixels around it have. `before` is as long as the plane.
 pub fn straighten(labels: &mut [u32], before: &mut [u32], grid: Grid, steps: u32) {
     for _ in 0..steps {
         before.iter_mut().zip(labels.iter()).for_each(|(before, label)| *before = *label);
-        for (at, label) in labels.iter_mut().enumerate() {
-            // Most pixels lie inside: three neighbours of their own are enough to stay.
-            let inside = [at.wrapping_sub(1), at + 1, at.wrapping_sub(grid.width.get())];
-            if inside.into_iter().all(|near| before.get(near) == Some(label)) {
-                continue;
-            }
-            let (mut same, mut other, mut others) = (0, *label, 0);
-            for near in grid.neighbours(at) {
-                let near = label_at(before, near);
-                if near == *label {
-                    same += 1;
-                } else if near == other || others == 0 {
-                    (other, others) = (near, others + 1);
+        let width = grid.width.get();
+        for (y, row) in labels.chunks_exact_mut(width).enumerate() {
+            let rows = [y.checked_sub(1), Some(y), y.checked_add(1)];
+            let rows = rows.map(|y| y.map_or(&[][..], |y| row_of(before, width, y)));
+            for (piece, labels) in row.chunks_mut(PIECE).enumerate() {
+                let first = piece * PIECE;
+                if !is_one(rows, first, labels.len()) {
+                    straighten_piece(labels, y * width + first, before, grid);
                 }
             }
-            if others >= 6 && same < 3 {
-                *label = other;
+        }
+    }
+}
+
+/// Pixels of a row that are looked at together.
+const PIECE: usize = 16;
+
+/// Whether a piece of the middle row and all around it has one label: most of an image has none.
+fn is_one(rows: [&[u32]; 3], first: usize, length: usize) -> bool {
+    let [_, own, _] = rows;
+    let label = label_at(own, first);
+    let (start, end) = (first.saturating_sub(1), own.len().min(first + length + 1));
+    let all = |piece: &[u32]| piece.iter().fold(true, |all, &near| all & (near == label));
+    rows.iter().filter_map(|row| row.get(start..end)).all(all)
+}
+
+/// Straightens the pixels from index `first` on.
+fn straighten_piece(labels: &mut [u32], first: usize, before: &[u32], grid: Grid) {
+    for (at, label) in (first..).zip(labels) {
+        // Most pixels lie inside: three neighbours of their own are enough to stay.
+        let inside = [at.wrapping_sub(1), at + 1, at.wrapping_sub(grid.width.get())];
+        if inside.into_iter().all(|near| before.get(near) == Some(label)) {
+            continue;
+        }
+        let (mut same, mut other, mut others) = (0, *label, 0);
+        for near in grid.neighbours(at) {
+            let near = label_at(before, near);
+            if near == *label {
+                same += 1;
+            } else if near == other || others == 0 {
+                (other, others) = (near, others + 1);
             }
+        }
+        if others >= 6 && same < 3 {
+            *label = other;
         }
     }
 }

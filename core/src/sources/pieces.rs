@@ -6,12 +6,15 @@
 use crate::arithmetic::Level;
 use crate::config::Connectivity;
 use crate::plane::grid::Grid;
+use crate::plane::rows::{next_with, used};
 use crate::sources::tree::Region;
 
 /// A pixel of a piece that is not, or not yet, the one that stays.
 const LOOSE: u32 = 1 << 31;
 /// The piece with the peak stays, unless another is this many times as large.
 const PEAK: u32 = 4;
+/// The area of a source that is one piece already.
+const WHOLE: u32 = u32::MAX;
 /// How often loose pieces ask their neighbours: one may lie within others.
 const ROUNDS: u32 = 4;
 
@@ -25,40 +28,55 @@ fn label_at(labels: &[u32], at: usize) -> u32 {
 /// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: four looks at each
 /// pixel and its neighbours.
 pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regions: &mut [Region<L>]) {
+    for region in regions.iter_mut() {
+        region.area = 0;
+    }
+    for (_, label) in used(labels) {
+        if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)) {
+            region.area += 1;
+        }
+    }
     for (label, region) in (1..).zip(regions.iter_mut()) {
-        let peak = region.peak as usize;
+        let (peak, pixels) = (region.peak as usize, region.area);
         region.area = 0;
         if label_at(labels, peak) == label {
             let area = relabel((grid, Connectivity::Eight), peak, label | LOOSE, labels, queue) as u32;
             region.area = area.saturating_mul(PEAK);
+            if area == pixels {
+                // It is one piece.
+                region.area = WHOLE;
+                queue.iter().take(area as usize).for_each(|&at| set(labels, at as usize, label));
+            }
         }
     }
-    for first in 0..labels.len() {
+    let mut next = 0;
+    while let Some(first) = next_with(labels, next, u32::MAX) {
+        next = first + 1;
         let label = label_at(labels, first);
-        if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)) {
+        if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)).filter(|region| region.area != WHOLE) {
             let area = relabel((grid, Connectivity::Eight), first, label | LOOSE, labels, queue) as u32;
             if area > region.area {
                 (region.area, region.peak) = (area, first as u32);
             }
         }
     }
-    for (label, region) in (1..).zip(regions.iter()).filter(|(_, region)| region.area > 0) {
+    for (label, region) in (1..).zip(regions.iter()).filter(|(_, region)| region.area > 0 && region.area != WHOLE) {
         relabel((grid, Connectivity::Eight), region.peak as usize, label, labels, queue);
     }
     for region in regions.iter_mut() {
         region.area = 0;
     }
     for round in 1..=ROUNDS {
-        for first in 0..labels.len() {
+        let mut next = 0;
+        while let Some(first) = next_with(labels, next, LOOSE) {
+            next = first + 1;
             let loose = label_at(labels, first);
-            if loose & LOOSE != 0 {
-                let count = relabel((grid, Connectivity::Eight), first, 0, labels, queue);
-                let piece = queue.get(..count).unwrap_or(&[]);
-                let owner = owner(grid, piece, labels, regions);
-                let label = if owner == 0 && round < ROUNDS { loose } else { owner };
-                for &at in piece {
-                    set(labels, at as usize, label);
-                }
+            let count = relabel((grid, Connectivity::Eight), first, 0, labels, queue);
+            let piece = queue.get(..count).unwrap_or(&[]);
+            let owner = owner(grid, piece, labels, regions);
+            let label = if owner == 0 && round < ROUNDS { loose } else { owner };
+            for &at in piece {
+                set(labels, at as usize, label);
             }
         }
     }

@@ -1,9 +1,11 @@
 //! Which regions are sources: by area, or by their significance in an image matched to their size.
 
-use crate::arithmetic::Level;
+use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Select, Separate, part_area};
+use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::part::{Question, Whole};
+use crate::plane::rows::{next_with, used};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
 use crate::sky::view::View;
@@ -17,6 +19,14 @@ const WIDE: f32 = 2.5;
 /// How much the matched image is sharpened: what lies on the halo of a bright source must stand
 /// above that, and what is narrow is brighter than smoothing lets it be.
 const SHARPENING: f32 = 0.6;
+/// The same for the narrow image, in which little is left of what is wider than a star.
+const NARROW_WIDE: f32 = 3.4;
+/// See [`NARROW_WIDE`].
+const NARROW_SHARPENING: f32 = 3.0;
+/// What stands out there by so many times the height that noise reaches is no unevenness of a wide source.
+const STANDS_OUT: f32 = 1.2;
+/// It needs this part of the smallest peak and light.
+const LENIENCY: f32 = 0.5;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
 const CUTS: u32 = 4;
 
@@ -39,18 +49,20 @@ pub struct Planes<'m, L: Level> {
     pub regions: &'m mut [Region<L>],
 }
 
-/// The least peak of a source in the matched image.
+/// The cut on significance: how high above noise a source's peak in the matched image must be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut<L> {
-    /// In its noise; 0 where none is asked for.
+pub struct Cut {
+    /// In the noise of the image; 0 where none is asked for.
     pub significance: f32,
-    /// In units of the signal.
-    pub least: L,
+    /// The noise of the matched image.
+    pub noise: f32,
+    /// The noise of the narrow image.
+    pub narrow_noise: f32,
 }
 
-impl<L: Level> Cut<L> {
+impl Cut {
     /// Every peak will do.
-    pub const NONE: Cut<L> = Cut { significance: 0.0, least: L::ZERO };
+    pub const NONE: Cut = Cut { significance: 0.0, noise: 1.0, narrow_noise: 1.0 };
 }
 
 /// Sources that are kept.
@@ -64,12 +76,12 @@ pub struct Kept {
 
 /// Measures every region, and finds the cut on the peak in the matched image. Means nothing while other parts of the
 /// image have yet to answer.
-pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>) -> Cut<L> {
+pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut {
     let grid = view.grid;
-    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid);
-    Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING);
+    let narrow_noise = measure_narrow(view, work, crew);
+    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
+    Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING, crew);
     measure(work);
-    let peaks = view.known.whole.map(|whole| peaks(whole, grid, config, work));
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Matched, Question::MatchedPowers];
     let tail = view.tail(questions, matched, work.masked, work.keys.again());
@@ -82,15 +94,14 @@ pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>)
     let roughness = if noise > 0.0 { slope / noise } else { 0.0 };
     let (columns, rows) = view.image();
     let elements = (columns * rows) as f32 * roughness * roughness;
-    let floor = config.significance.peak * config.outline.threshold;
-    let (mut allowed, mut cut) = (config.significance.false_sources, Cut { significance: 0.0, least: L::of(floor) });
+    let mut cut = Cut { significance: 0.0, noise, narrow_noise };
+    let reaches = view.known.whole.map(|whole| reaches(whole, grid, config, cut, work));
+    let mut allowed = config.significance.false_sources;
     for _ in 0..CUTS {
-        let significance = tail.raised(height(elements, allowed));
-        let least = significance * noise;
-        cut = Cut { significance, least: L::of(if least > floor { least } else { floor }) };
-        let kept = match peaks {
+        cut.significance = tail.raised(height(elements, allowed));
+        let kept = match reaches {
             None => work.regions.iter().filter(|region| is_source(region, config, cut)).count(),
-            Some(peaks) => peaks.len() - peaks.partition_point(|&key| key < cut.least.key()),
+            Some(reaches) => reaches.len() - reaches.partition_point(|&key| key < Level::key(cut.significance)),
         };
         let share = config.significance.false_share * kept as f32;
         allowed = if share > allowed { share } else { allowed };
@@ -98,9 +109,33 @@ pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>)
     cut
 }
 
-/// The peaks of what may be a source in all parts of an image, sorted keys; each source is told by the part that has its
-/// first pixel.
-fn peaks<'w, L: Level>(whole: &'w dyn Whole, grid: Grid, config: &Config, work: &mut Planes<'_, L>) -> &'w [u32] {
+/// The peak of every region in the narrow image, and the noise of that. Leaves it in the matched plane.
+fn measure_narrow<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> f32 {
+    let grid = view.grid;
+    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
+    Weights::gauss(NARROW_WIDE).sharpen(work.matched, work.scratch, grid, NARROW_SHARPENING, crew);
+    for region in work.regions.iter_mut() {
+        region.offsets = (0.0, 0.0);
+    }
+    for (&label, &narrow) in work.labels.iter().zip(work.matched.iter()) {
+        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1)) {
+            region.offsets.0 = region.offsets.0.greatest(narrow.to_f32());
+        }
+    }
+    let narrow = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
+    let questions = [Question::Narrow, Question::NarrowPowers];
+    view.tail(questions, narrow, work.masked, work.keys.again()).noise.to_f32()
+}
+
+/// How far up in significance what may be a source in any part of an image is one: sorted keys. Each is told by the part
+/// that has its first pixel.
+fn reaches<'w, L: Level>(
+    whole: &'w dyn Whole,
+    grid: Grid,
+    config: &Config,
+    cut: Cut,
+    work: &mut Planes<'_, L>,
+) -> &'w [u32] {
     /// In place of a label: who has the first pixel.
     const OWN: u32 = 1;
     const FOREIGN: u32 = 2;
@@ -112,11 +147,11 @@ fn peaks<'w, L: Level>(whole: &'w dyn Whole, grid: Grid, config: &Config, work: 
             region.label = if part.owns(grid.place(at)) { OWN } else { FOREIGN };
         }
     }
-    let any_peak = |region: &Region<L>| Cut { least: region.value, ..Cut::NONE };
-    let own = work.regions.iter().filter(|region| region.label == OWN && is_source(region, config, any_peak(region)));
-    let peaks = whole.words(Question::Peaks, &mut own.map(|region| region.value.key())).unwrap_or(&[]);
+    let own = work.regions.iter().filter(|region| region.label == OWN);
+    let mut keys = own.map(|region| reach(region, config, cut)).filter(|&reach| reach >= 0.0).map(Level::key);
+    let reaches = whole.words(Question::Reaches, &mut keys).unwrap_or(&[]);
     work.regions.iter_mut().for_each(|region| region.label = 0);
-    peaks
+    reaches
 }
 
 /// Area, light and matched peak of every region, from its pixels.
@@ -124,8 +159,10 @@ pub fn measure<L: Level>(work: &mut Planes<'_, L>) {
     for region in work.regions.iter_mut() {
         (region.area, region.sum, region.value, region.label) = (0, L::NOTHING, L::ZERO, 0);
     }
-    for ((&label, &matched), &signal) in work.labels.iter().zip(work.matched.iter()).zip(work.signal.iter()) {
-        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1)) {
+    for (at, label) in used(work.labels) {
+        let (matched, signal) = (work.matched.get(at), work.signal.get(at));
+        let region = work.regions.get_mut((label as usize).wrapping_sub(1));
+        if let (Some(region), Some(&matched), Some(&signal)) = (region, matched, signal) {
             region.area += 1;
             region.sum = region.sum + signal.times(1);
             if matched > region.value {
@@ -135,20 +172,44 @@ pub fn measure<L: Level>(work: &mut Planes<'_, L>) {
     }
 }
 
-fn is_source<L: Level>(region: &Region<L>, config: &Config, cut: Cut<L>) -> bool {
-    if config.select == Select::Area {
-        return region.area > 0 && region.area >= config.min_area;
+/// Whether a region is a source at a cut.
+fn is_source<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> bool {
+    match config.select {
+        Select::Area => region.area > 0 && region.area >= config.min_area,
+        Select::Significance => reach(region, config, cut) >= cut.significance,
     }
-    let light = L::share(L::ONE.times(1), config.significance.light);
+}
+
+/// The greatest significance of a cut at which a region is a source; -1 for none. What was not divided from another
+/// and stands out in the narrow image needs less peak and light.
+fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
     let divided = config.separate == Separate::Tree && region.divided > 0;
     let least_area = if divided { part_area(config.min_area) } else { config.min_area };
-    region.area >= least_area && region.value >= cut.least && region.sum >= light
+    let (peak, light) = (config.significance.peak * config.outline.threshold, config.significance.light);
+    let enough = |part: f32| {
+        region.area >= least_area
+            && region.value >= L::of(part * peak)
+            && region.sum >= L::share(L::ONE.times(1), part * light)
+    };
+    let over = |value: f32, noise: f32| if noise > 0.0 { value / noise } else { f32::MAX };
+    let matched = over(region.value.to_f32(), cut.noise);
+    let narrow = over(region.offsets.0, STANDS_OUT * cut.narrow_noise);
+    if enough(1.0) {
+        matched
+    } else if !divided && enough(LENIENCY) {
+        matched.least(narrow)
+    } else {
+        -1.0
+    }
 }
 
 /// Drops what is no source and numbers the rest in raster order.
-pub fn keep<L: Level>(config: &Config, cut: Cut<L>, labels: &mut [u32], regions: &mut [Region<L>]) -> Kept {
+pub fn keep<L: Level>(config: &Config, cut: Cut, labels: &mut [u32], regions: &mut [Region<L>]) -> Kept {
     let mut kept = Kept::default();
-    for label in labels.iter_mut() {
+    let mut next = 0;
+    while let Some(at) = next_with(labels, next, u32::MAX) {
+        next = at + 1;
+        let Some(label) = labels.get_mut(at) else { break };
         let Some(region) = regions.get_mut((*label as usize).wrapping_sub(1)) else { continue };
         if region.label == 0 && is_source(region, config, cut) {
             kept.sources += 1;

@@ -2,9 +2,11 @@
 
 use crate::arithmetic::Level;
 use crate::config::{Config, Connectivity, Deblending};
+use crate::plane::crew::Crew;
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
 use crate::plane::part::Whole;
+use crate::plane::rows::next_with;
 use crate::plane::smooth::Weights;
 use crate::plane::sort;
 use crate::sources::centre::centre_on_light;
@@ -53,42 +55,76 @@ pub fn tree<L: Level>(
     config: &Config,
     photon: f32,
     work: &mut Planes<'_, L>,
+    crew: &impl Crew,
 ) -> Count {
-    Weights::gauss(SHARPNESS).sharpen(work.fine, work.scratch, grid, config.deblending.sharpening);
+    Weights::gauss(SHARPNESS).sharpen(work.fine, work.scratch, grid, config.deblending.sharpening, crew);
     let field = Field { values: work.fine, grid };
-    let mut used = 0;
-    for (at, &front) in (0u32..).zip(work.front.iter()) {
-        let inside = front > L::ZERO && has_signal(at as usize);
-        if let (true, Some(place)) = (inside, work.order.get_mut(used)) {
-            *place = at;
-            used += 1;
-        }
-    }
-    let order = work.order.get_mut(..used).unwrap_or(&mut []);
-    // Brightest first; of equal ones the first in the frame.
-    sort::by_key(order, work.parents, |at| !field.at(at as usize).key());
+    mark_inside(has_signal, work.front, work.labels);
+    let used = by_brightness(field, work.labels, work.order, work.parents);
+    let order = work.order.get(..used).unwrap_or(&[]);
     work.parents.fill(NONE);
     let count = grow(field, order, work.parents, work.labels, work.regions, (config, photon));
     for region in work.regions.iter_mut().take(count.regions) {
         region.centre = field.centre(region.peak as usize);
     }
-    // The identity of a root is read through the order plane before the labels are written.
-    for at in order.iter() {
-        let root = root(work.parents, *at);
-        if let Some(cell) = work.parents.get_mut(*at as usize) {
-            *cell = root;
-        }
+    for &at in order {
+        let root = root(work.parents, at);
+        set(work.parents, at, root);
     }
-    for at in 0..grid.cells() {
-        let root = work.parents.get(at).copied().unwrap_or(NONE);
+    // The identity of a root is read from the labels before they are written.
+    for &at in order {
+        let root = work.parents.get(at as usize).copied().unwrap_or(NONE);
         let id = work.labels.get(root as usize).copied().unwrap_or(NONE);
-        if let Some(place) = work.order.get_mut(at) {
-            let large = work.regions.get(id as usize).is_some_and(|region| region.area >= LEAST_AREA);
-            *place = if root != NONE && large { id + 1 } else { 0 };
-        }
+        let large = work.regions.get(id as usize).is_some_and(|region| region.area >= LEAST_AREA);
+        set(work.parents, at, if root != NONE && large { id + 1 } else { 0 });
     }
-    work.labels.iter_mut().zip(work.order.iter()).for_each(|(label, id)| *label = *id);
+    work.labels.fill(0);
+    for &at in order {
+        let label = work.parents.get(at as usize).copied().unwrap_or(0);
+        set(work.labels, at, label);
+    }
     count
+}
+
+/// A pixel inside the outlines that has no label yet.
+const INSIDE: u32 = u32::MAX;
+/// The same once it is listed.
+const LISTED: u32 = INSIDE - 1;
+
+fn set(plane: &mut [u32], at: u32, to: u32) {
+    if let Some(cell) = plane.get_mut(at as usize) {
+        *cell = to;
+    }
+}
+
+/// Marks the pixels inside the outlines that have a signal, and no others.
+fn mark_inside<L: Level>(has_signal: impl Fn(usize) -> bool, front: &[L], labels: &mut [u32]) {
+    for (at, (label, &front)) in labels.iter_mut().zip(front).enumerate() {
+        *label = if front > L::ZERO && has_signal(at) { INSIDE } else { 0 };
+    }
+}
+
+/// Lists the marked pixels, component by component so that what is looked at together lies together, each from the
+/// brightest down, of equal pixels the first in the frame first. Gives their number; `spare` is as long as the plane.
+fn by_brightness<L: Level>(field: Field<'_, L>, labels: &mut [u32], order: &mut [u32], spare: &mut [u32]) -> usize {
+    /// Fewer are sorted by insertion.
+    const FEW: usize = 32;
+    let key = |at: u32| !field.at(at as usize).key();
+    let (mut listed, mut next) = (0, 0);
+    while let Some(first) = next_with(labels, next, INSIDE ^ LISTED) {
+        next = first + 1;
+        let free = order.get_mut(listed..).unwrap_or(&mut []);
+        let count = relabel((field.grid, Connectivity::Eight), first, LISTED, labels, free);
+        let component = free.get_mut(..count).unwrap_or(&mut []);
+        if count < FEW {
+            sort::few(component, |a, b| (key(a), a) < (key(b), b));
+        } else {
+            sort::by_key(component, spare, |at| at);
+            sort::by_key(component, spare, key);
+        }
+        listed += count;
+    }
+    listed
 }
 
 /// Gives regions their centres, makes light that no host explains regions of their own, lets
@@ -103,7 +139,8 @@ pub fn deblend<L: Level>(
     work: &mut Planes<'_, L>,
 ) -> Count {
     let (field, light) = (Field { values: work.fine, grid }, Field { values: work.smooth, grid });
-    centre_on_light([field, light], work.labels, work.regions, noise);
+    let regions = work.regions.get_mut(..count.regions).unwrap_or(&mut []);
+    centre_on_light([field, light], work.labels, regions, noise);
     let regions = work.regions.get(..count.regions).unwrap_or(&[]);
     let typical = Typical::of(whole, field, noise.least, regions, (work.parents, work.order));
     if whole.is_some_and(Whole::is_waiting) {
@@ -117,7 +154,7 @@ pub fn deblend<L: Level>(
     }
     compete(field, work.labels, work.regions, SWEEPS);
     straighten(work.labels, work.order, grid, STRAIGHTENINGS);
-    connect(grid, work.labels, work.order, work.regions);
+    connect(grid, work.labels, work.order, work.regions.get_mut(..count.regions).unwrap_or(&mut []));
     count
 }
 
@@ -129,11 +166,7 @@ pub fn components<L: Level>(
     connectivity: Connectivity,
     work: &mut Planes<'_, L>,
 ) -> Count {
-    /// A pixel inside that has no label yet.
-    const INSIDE: u32 = u32::MAX;
-    for (at, (label, &front)) in work.labels.iter_mut().zip(work.front).enumerate() {
-        *label = if front > L::ZERO && has_signal(at) { INSIDE } else { 0 };
-    }
+    mark_inside(has_signal, work.front, work.labels);
     let mut count = Count::default();
     for first in 0..work.labels.len() {
         if work.labels.get(first) != Some(&INSIDE) {

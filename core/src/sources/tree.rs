@@ -24,7 +24,7 @@ pub struct Region<L: Level> {
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
     /// Of its pixels above half its peak, the sums of the values times the distances from the peak along
-    /// x and y.
+    /// x and y; while sources are selected, its peak in the narrow image, and 0.
     pub offsets: (f32, f32),
     /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
     /// While the centre is looked for, the sum of the values above half the peak.
@@ -98,6 +98,9 @@ pub struct Count {
     /// Peaks or components for which the table had no room: their pixels are in none.
     pub left_out: u32,
 }
+
+/// Of the nine pixels around a peak so many must be its own: most of them.
+const MOST: usize = 5;
 
 /// Parent of a pixel that is in no region.
 pub const NONE: u32 = u32::MAX;
@@ -206,8 +209,8 @@ pub fn grow<L: Level>(
 
 /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough
 /// pixels and light above the saddle for the noise there, a peak that rises above it by more than
-/// the noise and the unevenness of optics, and around its peak more than twice the light of the
-/// brighter: what lies across that's centre or, where this is of a third region, what there is
+/// the noise and the unevenness of optics, and in most pixels around its peak more than twice the
+/// light of the brighter: what lies across that's centre or, where this is of a third region, what there is
 /// around it at that distance.
 fn stands_apart<L: Level>(
     (setting, photon): (&Deblending, f32),
@@ -234,7 +237,7 @@ fn stands_apart<L: Level>(
         let light = if third { mirrored.least(field.around(centre, field.place(at))) } else { mirrored };
         field.at(at) > light + light
     };
-    field.grid.neighbours(peak).chain([peak]).filter(&mut own).count() >= 3
+    field.grid.neighbours(peak).chain([peak]).filter(&mut own).count() >= MOST
 }
 
 /// Whether a pixel is of another region than that with the root `host`.

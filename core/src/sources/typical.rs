@@ -59,6 +59,8 @@ impl<'m> Typical<'m> {
         }
         let ids = cells.get_mut(..count).unwrap_or(&mut []);
         let region = |id: u32| regions.get(id as usize);
+        // The order of equal ones must not depend on the order of the table.
+        sort::by_key(ids, spare, |id| region(id).map_or(0, |region| region.peak));
         sort::by_key(ids, spare, |id| !region(id).map_or(L::ZERO, |region| region.value).key());
         let mut chosen = [0; MOST];
         let count = count.min(MOST);

@@ -56,6 +56,16 @@ def test_chunks_give_the_result_of_one_piece(mosaic):
         assert found.labels.dtype == np.int32 and found.labels.shape == mosaic.shape
 
 
+def test_sixteen_chunks():
+    """As large as SKYFRONT_MOSAIC says."""
+    side = int(os.environ.get("SKYFRONT_MOSAIC", 512))
+    piece = min(side, 512)
+    seeds = iter(range(10**6))
+    row = lambda: [skyfront.simulate("noisy", seed=next(seeds), shape=(piece, piece))[0] for _ in range(side // piece)]  # noqa: E731
+    image = np.block([row() for _ in range(side // piece)])
+    same(skyfront.dask.segment(da.from_array(image, side // 4)), skyfront.segment(image))
+
+
 def test_on_a_cluster_of_two_workers(mosaic, cluster, tmp_path):
     zarr = pytest.importorskip("zarr")
     zarr.save(str(tmp_path / "mosaic.zarr"), mosaic)

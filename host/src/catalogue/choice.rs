@@ -1,5 +1,6 @@
 //! Which columns a catalogue is to have.
 
+use super::columns::is_magnitude;
 use super::names::{KNOWN, Known, Needs, known, meant};
 use super::{Column, Setting, columns};
 use crate::measure::Wanted;
@@ -62,7 +63,12 @@ impl Choice {
     pub fn wanted(columns: &[Column]) -> Wanted {
         let needs =
             |needs: Needs| columns.iter().filter_map(|column| known(&column.name)).any(|one| one.needs == needs);
-        Wanted { kron: needs(Needs::Kron), windowed: needs(Needs::Windowed), local: needs(Needs::Local) }
+        Wanted {
+            kron: needs(Needs::Kron),
+            windowed: needs(Needs::Windowed),
+            local: needs(Needs::Local),
+            petrosian: needs(Needs::Petrosian),
+        }
     }
 
     /// Whether magnitudes are named, which need a zero point.
@@ -78,11 +84,6 @@ impl Choice {
     fn name_any(&self, of_kind: impl Fn(&Known) -> bool) -> bool {
         self.0.iter().any(|word| KNOWN.iter().any(|known| of_kind(known) && names(word, known.name)))
     }
-}
-
-/// Whether a column is a magnitude.
-pub(super) fn is_magnitude(name: &str) -> bool {
-    name.starts_with("mag") || name == "mu_max"
 }
 
 /// Whether a word names the columns of a pattern.

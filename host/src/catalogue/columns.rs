@@ -1,6 +1,5 @@
 //! The registry of columns: headers, documentation and `skyfront columns` come from here.
 
-use super::choice::is_magnitude;
 use super::names::known;
 use crate::measure::{Flux, Measured};
 use crate::sky::Frame;
@@ -81,6 +80,7 @@ pub fn columns(setting: &Setting) -> Vec<Column> {
     }
     list.extend(magnitudes(setting.zero_point.unwrap_or(f64::NAN)));
     list.extend(windowed(setting.frame));
+    list.extend(petrosian(unit, setting.zero_point.unwrap_or(f64::NAN)));
     list.extend(beside(unit));
     list.extend(as_sextractor(unit));
     list.push(integer("flags", "", &flag_bits(), |m| i64::from(m.flags)));
@@ -181,6 +181,23 @@ fn windowed(frame: Option<Frame>) -> [Column; 7] {
         real("errxywin", "pixel**2", "covariance of xwin and ywin", |m| m.windowed.errors.2),
         sky_angle("ra_win", format!("right ascension of xwin, ywin, {of}"), |m| m.windowed_position.map(|at| at.0)),
         sky_angle("dec_win", format!("declination of xwin, ywin, {of}"), |m| m.windowed_position.map(|at| at.1)),
+    ]
+}
+
+/// The Petrosian radius and what is within it.
+fn petrosian(unit: &str, zero_point: f64) -> [Column; 5] {
+    let mag = move |m: &Measured| m.petrosian.flux.magnitude(zero_point);
+    [
+        real(
+            "petrosian_radius",
+            "pixel",
+            "semi-major axis of the ellipse around which (0.8 to 1.25) the mean light is 0.2 of that within",
+            |m| m.petrosian.radius,
+        ),
+        real("flux_petrosian", unit, "flux within two Petrosian radii", |m| m.petrosian.flux.value),
+        real("flux_petrosian_err", unit, "its error", |m| m.petrosian.flux.error),
+        real("mag_petrosian", "mag", "magnitude of flux_petrosian", move |m| mag(m).0),
+        real("mag_petrosian_err", "mag", "its error", move |m| mag(m).1),
     ]
 }
 
@@ -296,6 +313,23 @@ impl Column {
         known(&self.name).map_or("", |one| one.ucd)
     }
 
+    /// Whether it is the same in every image of the pixels.
+    pub(super) fn is_of_map(&self) -> bool {
+        ["label", "xmin", "xmax", "ymin", "ymax", "area"].contains(&self.name.as_str())
+    }
+
+    /// The same of a further image, counted from 0.
+    pub(super) fn of_band(self, band: usize) -> Column {
+        let name = format!("m{}_{}", band + 2, self.name);
+        let value = match self.value {
+            Value::Integer(value) => Value::Integer(Box::new(move |m| m.bands.get(band).map_or(0, &value))),
+            Value::Real(value, digits) => {
+                Value::Real(Box::new(move |m| m.bands.get(band).map_or(f64::NAN, &value)), digits)
+            }
+        };
+        Column { name, value, ..self }
+    }
+
     /// Whether it is there when no columns are chosen.
     pub fn is_usual(&self) -> bool {
         known(&self.name).is_none_or(|one| one.usual)
@@ -318,6 +352,11 @@ fn significant(value: f64, digits: usize) -> String {
     }
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 || (1e-5..1e15).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
+/// Whether a column is a magnitude.
+pub(super) fn is_magnitude(name: &str) -> bool {
+    name.starts_with("mag") || name == "mu_max"
 }
 
 #[cfg(test)]

@@ -11,8 +11,9 @@ pub use choice::Choice;
 pub use columns::{Column, Setting, Value, columns};
 
 use crate::background::SkyMaps;
-use crate::input::{At, Input, Positions};
+use crate::input::{At, Input, Observed, Positions};
 use crate::measure::{Extras, Level, Measured, Scene, measure, measure_at, run_flags};
+use crate::picture::Zoom;
 use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
 use crate::read::header::unit;
@@ -68,6 +69,8 @@ pub struct Request {
     pub sky: bool,
     /// Whether the front's arrival times are wanted.
     pub arrival: bool,
+    /// The scale of the overlay; by its size where none is given.
+    pub overlay: Option<Zoom>,
     /// Whether the map of labels is enough, without the maps of the sources' means and of the front.
     pub map_only: bool,
 }
@@ -83,27 +86,9 @@ impl Default for Request {
             polygons: false,
             sky: false,
             arrival: false,
+            overlay: None,
             map_only: false,
         }
-    }
-}
-
-impl Request {
-    /// The files that will be written.
-    pub fn files(&self) -> Vec<&'static str> {
-        let regions: &[&str] = if self.regions { &crate::outline::REGIONS } else { &[] };
-        let polygons: &[&str] = if self.polygons { &[crate::outline::POLYGONS] } else { &[] };
-        let sky: &[&str] = if self.sky { &crate::outputs::SKY } else { &[] };
-        let arrival: &[&str] = if self.arrival { &[crate::outputs::ARRIVAL] } else { &[] };
-        let values: &[&str] = if self.map_only { &[] } else { &crate::outputs::VALUES };
-        self.formats
-            .iter()
-            .map(|format| format.file())
-            .chain(values.iter().copied())
-            .chain(regions.iter().copied())
-            .chain(polygons.iter().copied())
-            .chain(sky.iter().chain(arrival).copied())
-            .collect()
     }
 }
 
@@ -124,18 +109,34 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// Measures the sources of a run. Coordinates are those of the image they are measured in, or
-    /// of the segmented one where that has none.
+    /// Measures the sources of a run. Coordinates are those of the image they are measured in, or of the
+    /// segmented one where that has none. Of several images the first has the plain names of columns.
     pub fn of(input: &Input, run: &Segmentation, request: &Request) -> Catalogue {
-        let observed = input.measured();
+        let (first, others) = match input.bands.as_slice() {
+            [first, others @ ..] => (first, others),
+            [] => (&input.detected, &[][..]),
+        };
+        let mut catalogue = Catalogue::in_image(first, input, run, request);
+        for (band, observed) in others.iter().enumerate() {
+            let more = Catalogue::in_image(observed, input, run, request);
+            let of_band = more.columns.into_iter().filter(|column| !column.is_of_map());
+            catalogue.columns.extend(of_band.map(|column| column.of_band(band)));
+            catalogue.rows.iter_mut().zip(more.rows).for_each(|(row, more)| row.bands.push(more));
+            catalogue.refused = catalogue.refused.or(more.refused);
+        }
+        catalogue
+    }
+
+    /// Measures the sources of a run in one image.
+    fn in_image(observed: &Observed, input: &Input, run: &Segmentation, request: &Request) -> Catalogue {
         let image = &observed.image;
-        let (sky, refused) = match coordinates(input, request.wcs) {
+        let (sky, refused) = match coordinates(observed, input, request.wcs) {
             Ok(sky) => (sky, None),
             Err(reason) => (None, Some(reason)),
         };
         let mut extras = request.extras.clone();
         // Another image has another sky; it is measured as that of the segmented one was.
-        let of_another = run.sky.as_ref().filter(|_| input.measured.is_some());
+        let of_another = run.sky.as_ref().filter(|_| !input.bands.is_empty());
         let of_another = of_another.map(|_| SkyMaps::beside(&image.pixels, &run.labels, run.width));
         let known = |maps: &&SkyMaps| maps.level.iter().all(|level| level.is_finite());
         let maps = of_another.as_ref().or(run.sky.as_ref()).filter(known);
@@ -191,6 +192,13 @@ impl Catalogue {
         serde_json::Value::Object(pairs.collect())
     }
 
+    /// How many sources have each flag, by the flags' names; those that none has are left out.
+    pub fn flag_counts(&self) -> serde_json::Value {
+        let count = |bit: u32| self.rows.iter().filter(|row| row.flags & bit != 0).count();
+        let counts = flags::FLAGS.iter().map(|flag| (flag.name.to_owned(), count(flag.bit)));
+        counts.filter(|(_, count)| *count > 0).map(|(name, count)| (name, serde_json::Value::from(count))).collect()
+    }
+
     /// Writes one format; `provenance` goes into headers that can hold it.
     ///
     /// # Errors
@@ -220,9 +228,9 @@ fn at_places(scene: &Scene<'_>, positions: &Positions, extras: &Extras<'_>, sky:
 }
 
 /// The coordinates of the image that is measured, or of the segmented one.
-fn coordinates(input: &Input, letter: Option<char>) -> Result<Option<Sky>, String> {
+fn coordinates(observed: &Observed, input: &Input, letter: Option<char>) -> Result<Option<Sky>, String> {
     let of = |header| Sky::alternate(header, letter);
-    let sky = match of(&input.measured().image.header)? {
+    let sky = match of(&observed.image.header)? {
         None => of(&input.detected.image.header)?,
         sky => sky,
     };

@@ -11,6 +11,8 @@ pub enum Needs {
     Windowed,
     /// The background beside the source.
     Local,
+    /// The Petrosian radius.
+    Petrosian,
 }
 
 /// A column as others know it.
@@ -41,7 +43,7 @@ const fn kron(name: &'static str, ucd: &'static str, sextractor: &'static [&'sta
 }
 
 /// All columns.
-pub const KNOWN: [Known; 69] = [
+pub const KNOWN: [Known; 74] = [
     usual("label", "meta.id;meta.main", &["NUMBER"]),
     usual("x", "pos.cartesian.x;instr.det", &["X_IMAGE"]),
     usual("y", "pos.cartesian.y;instr.det", &["Y_IMAGE"]),
@@ -106,6 +108,11 @@ pub const KNOWN: [Known; 69] = [
     on_request("errxywin", "stat.covariance;pos.cartesian", &["ERRXYWIN_IMAGE"], Needs::Windowed),
     on_request("ra_win", "pos.eq.ra", &["ALPHAWIN_J2000", "ALPHAWIN_SKY", "XWIN_WORLD"], Needs::Windowed),
     on_request("dec_win", "pos.eq.dec", &["DELTAWIN_J2000", "DELTAWIN_SKY", "YWIN_WORLD"], Needs::Windowed),
+    on_request("petrosian_radius", "phys.angSize;instr.det", &[], Needs::Petrosian),
+    on_request("flux_petrosian", "phot.count", &["FLUX_PETRO"], Needs::Petrosian),
+    on_request("flux_petrosian_err", "stat.error;phot.count", &["FLUXERR_PETRO"], Needs::Petrosian),
+    on_request("mag_petrosian", "phot.mag", &["MAG_PETRO"], Needs::Petrosian),
+    on_request("mag_petrosian_err", "stat.error;phot.mag", &["MAGERR_PETRO"], Needs::Petrosian),
     on_request("background_local", "instr.skyLevel", &[], Needs::Local),
     on_request("noise_local", "instr.skyLevel;stat.stdev", &[], Needs::Local),
     on_request("flux_local", "phot.count", &[], Needs::Local),
@@ -113,8 +120,13 @@ pub const KNOWN: [Known; 69] = [
     on_request("snr_local", "stat.snr", &[], Needs::Local),
 ];
 
-/// What is known of a column.
+/// What is known of a column, of a further image too (`m2_`).
 pub fn known(name: &str) -> Option<&'static Known> {
+    let of_band = name.strip_prefix('m').and_then(|rest| rest.split_once('_'));
+    let name = match of_band {
+        Some((band, name)) if !band.is_empty() && band.bytes().all(|byte| byte.is_ascii_digit()) => name,
+        _ => name,
+    };
     let numbered = name.split_once("aper_").and_then(|(head, tail)| {
         let end = tail.trim_start_matches(|c: char| c.is_ascii_digit());
         (end.len() < tail.len()).then(|| format!("{head}aper_#{end}"))

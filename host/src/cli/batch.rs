@@ -9,7 +9,7 @@ use super::segment::Arguments;
 use super::table::{self, Facts, Row};
 use crate::workers::in_order;
 use crate::write::Products;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use indicatif::ProgressBar;
 use skyfront_core::config::Config;
 use std::path::Path;
@@ -47,6 +47,29 @@ pub fn run(arguments: &Arguments, config: &Config) -> Result<ExitCode> {
         );
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Writes which image goes into which folder, a line each, for jobs that others start.
+pub fn list(arguments: &Arguments, list: &Path) -> Result<ExitCode> {
+    let mut lines = String::new();
+    for (image, folder) in arguments.images.iter().zip(folders(&arguments.images, TABLE)) {
+        let line = [image.as_path(), &arguments.out.join(folder)].map(|path| path.display().to_string());
+        // Nobody who takes such lines knows of quotes.
+        if let Some(odd) = line.iter().find(|name| name.contains([',', '"', '\n', '\r'])) {
+            bail!("{odd}: a job list cannot hold a name with a comma, a quotation mark or a line break");
+        }
+        lines += &(line.join(",") + "\n");
+    }
+    if list == Path::new("-") {
+        write!(Stdout, "{lines}")?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let folder = list.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let name = list.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut products = Products::plan(folder, &[&name], arguments.manner().overwrite)?;
+    products.write(&name, |out| out.write_all(lines.as_bytes()))?;
+    products.publish()?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// One image of many; what goes wrong becomes its row, and one line on stderr at once.

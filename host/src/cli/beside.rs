@@ -1,11 +1,15 @@
 //! The options that name maps beside the image.
 
-use super::Options;
+use super::{Options, Usage};
 use crate::input::{Given, Maps, WeightType};
 use crate::read::Place;
+use anyhow::{Result, bail};
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::PathBuf;
+
+/// More images would leave no letters in a keyword.
+const MOST_BANDS: usize = 99;
 
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Maps beside the image (FILE or FILE[HDU], of the image's shape)")]
@@ -31,15 +35,15 @@ pub struct Beside {
     #[arg(long, value_name = "CSV", requires = "apertures", conflicts_with_all = ["start", "arrival"])]
     positions: Option<PathBuf>,
     /// Measure the sources in this image of the same pixels: fluxes, shapes, GAIN, SATURATE and
-    /// coordinates are its own.
+    /// coordinates are its own. Given many times, the columns of the second image begin with m2_, and so on.
     #[arg(long, value_name = "IMAGE2", value_parser = place())]
-    measure: Option<Place>,
-    /// Sky of that image.
+    measure: Vec<Place>,
+    /// Sky of that image; of several in turn, for each of them.
     #[arg(long, value_name = "MAP|LEVEL", value_parser = given(), allow_negative_numbers = true, requires = "measure")]
-    measure_background: Option<Given>,
-    /// Noise of that image.
+    measure_background: Vec<Given>,
+    /// Noise of that image; of several in turn, for each of them.
     #[arg(long, value_name = "MAP|LEVEL", value_parser = given(), requires_all = ["measure", "weight_type"])]
-    measure_weight: Option<Given>,
+    measure_weight: Vec<Given>,
 }
 
 impl Beside {
@@ -48,16 +52,32 @@ impl Beside {
         self.segmentation.is_some() || self.positions.is_some()
     }
 
+    /// Whether the maps go together.
+    ///
+    /// # Errors
+    /// More images than can be told apart, or maps of some of them only.
+    pub fn validate(&self) -> Result<()> {
+        let bands = self.measure.len();
+        if bands > MOST_BANDS {
+            bail!(Usage("--measure can be given 99 times at most"));
+        }
+        if ![0, bands].contains(&self.measure_background.len()) || ![0, bands].contains(&self.measure_weight.len()) {
+            bail!(Usage("--measure-background and --measure-weight are given once for each --measure, or not at all"));
+        }
+        Ok(())
+    }
+
     /// The maps, with that of the start.
     pub fn maps(&self, options: &Options) -> Maps {
         let weighed = |given: &Option<Given>| given.clone().zip(self.weight_type);
+        let of_bands = self.measure_weight.iter().cloned();
         Maps {
             mask: self.mask.clone(),
             background: self.background.clone(),
             weight: weighed(&self.weight),
             measure: self.measure.clone(),
             measure_background: self.measure_background.clone(),
-            measure_weight: weighed(&self.measure_weight),
+            measure_weight: of_bands.zip(self.weight_type.iter().copied().cycle()).collect(),
             segmentation: self.segmentation.clone(),
             positions: self.positions.clone(),
             start: options.start_map(),

@@ -146,7 +146,7 @@ fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -
         }
     }
     if arguments.json {
-        writeln!(Stdout, "{:#}", json!({ "input": name, "passed": failed == 0, "checks": results }))?;
+        writeln!(Stdout, "{}", json!({ "input": name, "passed": failed == 0, "checks": results }))?;
     }
     if failed > 0 {
         bail!("{name}: {failed} of {made} checks exceed a tolerance");

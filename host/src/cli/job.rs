@@ -63,7 +63,7 @@ pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
 pub fn plan(folder: &Path, manner: &Manner, more: &[&str]) -> Result<Products> {
     let pictures: &[&str] = if manner.pictures { &outputs::PICTURES } else { &[] };
     let names: Vec<&str> =
-        outputs::DATA.iter().chain(&manner.request.files()).chain(pictures).chain(more).copied().collect();
+        outputs::DATA.iter().chain(&outputs::names(&manner.request)).chain(pictures).chain(more).copied().collect();
     Ok(Products::plan(folder, &names, manner.overwrite)?)
 }
 

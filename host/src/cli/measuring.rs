@@ -3,6 +3,7 @@
 use super::Usage;
 use crate::catalogue::{Choice, Format, Request};
 use crate::measure::{Extras, Neighbours};
+use crate::picture::Zoom;
 use anyhow::{Result, bail};
 use clap::Args;
 
@@ -54,6 +55,10 @@ pub struct Measuring {
     /// Of the maps write segmentation.fits alone, without segmented.fits and front.fits.
     #[arg(long)]
     map_only: bool,
+    /// Scale of overlay.png: N picture pixels a pixel along each axis, or 1/N [default: near 1200 picture
+    /// pixels, up to 2048 for large images].
+    #[arg(long, value_name = "N|1/N", conflicts_with = "no_pictures")]
+    overlay_scale: Option<Zoom>,
     /// The time at which the front came to each pixel as arrival.fits, in the paper's unit; for
     /// the fast-marching scheme in f32.
     #[arg(long, help_heading = "Front")]
@@ -102,6 +107,7 @@ impl Measuring {
             polygons: self.polygons,
             sky: self.sky_maps,
             arrival: self.arrival,
+            overlay: self.overlay_scale,
             map_only: self.map_only,
         }
     }

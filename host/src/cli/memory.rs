@@ -1,7 +1,6 @@
 //! The memory of runs: known when the header of an image is read, asked for before its pixels are, and shared by the
 //! images that are worked on at a time.
 
-use super::job::Manner;
 use crate::extraction;
 use crate::pipeline::{Segmentation, room_for_sources};
 use crate::planes::can_be_had;
@@ -21,11 +20,11 @@ const MEGA: u64 = 1_000_000;
 pub type Size = (u64, u64);
 
 /// The bytes that an image takes at most from its first pixel to its last product, beside those of its sources, with
-/// so many maps of its size.
+/// so many maps of its size, and with `pictures`.
 ///
 /// # Errors
 /// One line for an image with too many pixels.
-pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size) -> Result<u64, String> {
+pub fn need(config: &Config, pictures: bool, maps: usize, (width, height): Size) -> Result<u64, String> {
     countable(width, height)?;
     let (w, h) = (width as usize, height as usize);
     let plane = w * h * size_of::<f32>();
@@ -39,7 +38,7 @@ pub fn need(config: &Config, manner: &Manner, maps: usize, (width, height): Size
         bytes_of_run += bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h));
         (others, of_pictures) = (4, 5);
     }
-    let planes = others + maps + if manner.pictures { of_pictures } else { 0 };
+    let planes = others + maps + if pictures { of_pictures } else { 0 };
     Ok((bytes_of_run + planes * plane) as u64 + BESIDE)
 }
 

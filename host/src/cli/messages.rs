@@ -4,8 +4,10 @@ use super::job::Done;
 use crate::input::Input;
 use crate::provenance::shortest;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::Value;
 use skyfront_core::config::{Config, Scheme, Select};
 use skyfront_core::run::outcome::{Progress, StopReason};
+use skyfront_core::run::plan::Plan;
 use skyfront_core::run::stage::Stage;
 use std::io::IsTerminal;
 
@@ -30,13 +32,43 @@ pub fn progress_bar(length: u64, unit: &str, volume: Volume) -> ProgressBar {
     ProgressBar::new(length).with_style(style)
 }
 
+/// How far the run of one image is: its steps, and the passes of a front that moves.
+pub struct Course {
+    /// The stages of the plan, each with the units of work before it.
+    steps: Vec<(Stage, u64)>,
+    /// All units.
+    pub length: u64,
+    /// The step under way.
+    at: usize,
+}
+
+impl Course {
+    /// The steps of a configuration.
+    pub fn of(config: &Config) -> Course {
+        let mut length = 0;
+        let steps = Plan::of(config).steps().map(|step| {
+            let before = length;
+            length += if step.stage == Stage::Evolve { u64::from(step.passes) } else { 1 };
+            (step.stage, before)
+        });
+        Course { steps: steps.collect(), length, at: 0 }
+    }
+
+    /// The units done when a pass of a stage begins; stages come in their order, some more than once.
+    pub fn position(&mut self, stage: Stage, pass: u32) -> u64 {
+        let same = self.steps.get(self.at).is_some_and(|step| step.0 == stage);
+        let from = self.at + usize::from(same);
+        self.at = (from..self.steps.len()).find(|&at| self.steps[at].0 == stage).unwrap_or(self.at);
+        let before = self.steps.get(self.at).map_or(0, |step| step.1);
+        before + if stage == Stage::Evolve { u64::from(pass) } else { 0 }
+    }
+}
+
 /// Moves the bar of one image.
-pub fn show(bar: &ProgressBar, progress: &Progress) {
+pub fn show(bar: &ProgressBar, course: &mut Course, progress: &Progress) {
     if let Progress::Working { stage, pass, .. } = progress {
         bar.set_message(format!("{stage:?}").to_lowercase());
-        if *stage == Stage::Evolve {
-            bar.set_position(u64::from(*pass));
-        }
+        bar.set_position(course.position(*stage, *pass));
     }
 }
 
@@ -61,14 +93,40 @@ pub fn report(config: &Config, name: &str, done: &Done, volume: Volume) -> Vec<S
         vec![format!("{name}: {} x {} pixels, {} sources; {how}", done.width, done.height, outcome.sources)];
     lines.extend(warnings(name, done));
     if volume == Volume::Verbose {
+        lines.extend(found(config, &done.summary));
         lines.extend(done.parts.iter().map(|(part, time)| format!("  {part:15} {:9.4} s", time.as_secs_f64())));
     }
     lines
 }
 
+/// Sky, noise, threshold and flags of a run, by its summary.
+fn found(config: &Config, summary: &Value) -> Vec<String> {
+    let mut lines = Vec::new();
+    let line = |name: &str, text: String| format!("  {name:15} {text}");
+    if let (Some(sky), Some(noise)) = (summary["background"].as_f64(), summary["noise"].as_f64()) {
+        lines.push(line("sky", format!("{}, median over the image", rounded(sky))));
+        lines.push(line("noise", format!("{}, standard deviation of a pixel of sky", rounded(noise))));
+        let threshold = shortest(config.outline.threshold);
+        let above = rounded(threshold * noise);
+        lines.push(line("threshold", format!("{threshold} times the noise, {above} above the sky")));
+    }
+    if let Some(tau) = summary["tau"].as_f64() {
+        lines.push(line("tau", format!("{tau}")));
+    }
+    let counts = summary["flags"].as_object().into_iter().flatten();
+    let flags: Vec<String> = counts.map(|(flag, count)| format!("{count} {flag}")).collect();
+    lines.push(line("flags", if flags.is_empty() { "none".to_owned() } else { flags.join(", ") }));
+    lines
+}
+
+/// A number with six digits that count.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
+
 /// What is to be known about the files of a run before it starts.
 pub fn about_input(input: &Input, volume: Volume) -> Vec<String> {
-    let observed = [Some(&input.detected), input.measured.as_ref()].into_iter().flatten();
+    let observed = std::iter::once(&input.detected).chain(&input.bands);
     let warnings = observed.flat_map(|one| one.image.warnings.iter().map(move |text| (&one.name, text)));
     let mut lines: Vec<String> = warnings.map(|(name, text)| format!("warning: {name}: {text}")).collect();
     let (name, removed) = (&input.detected.name, input.removed);
@@ -84,4 +142,29 @@ pub fn about_input(input: &Input, volume: Volume) -> Vec<String> {
 /// What a user must know about a result.
 pub fn warnings(name: &str, done: &Done) -> Vec<String> {
     done.warnings.iter().map(|text| format!("warning: {name}: {text}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_goes_through_its_course_to_the_end() {
+        let config = Config::NOISE_AWARE;
+        let mut course = Course::of(&config);
+        let stages: Vec<Stage> = Plan::of(&config).steps().map(|step| step.stage).collect();
+        let positions: Vec<u64> = stages.iter().map(|&stage| course.position(stage, 0)).collect();
+        assert_eq!(positions, (0..course.length).collect::<Vec<_>>(), "steps that come again count again");
+    }
+
+    #[test]
+    fn passes_of_a_front_count_one_by_one() {
+        let config = Config::PAPER_F160;
+        let mut course = Course::of(&config);
+        let start = course.position(Stage::Evolve, 0);
+        assert!(start > 0 && course.length > u64::from(config.max_steps()));
+        assert_eq!([1, 2, 7].map(|pass| course.position(Stage::Evolve, pass)), [1, 2, 7].map(|pass| start + pass));
+        let after = course.position(Stage::Measure, 0);
+        assert_eq!((course.position(Stage::Measure, 0), after), (after, course.length - 1));
+    }
 }

@@ -8,6 +8,7 @@ mod budget;
 mod columns;
 mod crosscheck;
 mod demo;
+mod examples;
 mod folders;
 mod foreign;
 mod given;
@@ -129,7 +130,14 @@ fn command() -> clap::Command {
         let shown = parameter(&arg) || SHORT.contains(&arg.get_id().as_str());
         if shown { arg } else { arg.hide_short_help(true) }
     };
-    Cli::command().mut_subcommand("segment", |segment| segment.mut_args(short))
+    let with_examples = |command: clap::Command| match examples::of(command.get_name()) {
+        Some(text) => command.after_long_help(format!("{text}\n\n{EXIT_CODES}")),
+        None => command,
+    };
+    Cli::command()
+        .after_long_help(format!("{}\n\n{EXIT_CODES}", examples::TASKS))
+        .mut_subcommand("segment", |segment| segment.mut_args(short))
+        .mut_subcommands(with_examples)
 }
 
 /// An error in one line; a parameter out of bounds by the name of its option.

@@ -2,9 +2,10 @@
 
 use super::memory::image_within;
 use super::say::Stdout;
+use crate::input::LabelMap;
 use crate::read::{self, HduChoice, Image, ReadError};
 use crate::score::score;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -25,13 +26,13 @@ pub struct Arguments {
     ext: Option<HduChoice>,
 }
 
-/// Prints the measures as JSON.
+/// Prints the measures as one line of JSON.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let truth = image_within(BYTES, &arguments.truth, arguments.ext.as_ref())?;
     let map = of_same_size(&truth, &arguments.map)?;
     let image = of_same_size(&truth, &arguments.image)?;
-    let result = score(&labels(&truth), &labels(&map), &image.pixels);
-    writeln!(Stdout, "{:#}", result.json())?;
+    let result = score(&labels(&truth, &arguments.truth)?, &labels(&map, &arguments.map)?, &image.pixels);
+    writeln!(Stdout, "{}", result.json())?;
     Ok(())
 }
 
@@ -44,7 +45,11 @@ fn of_same_size(truth: &Image, path: &Path) -> Result<Image, ReadError> {
     })
 }
 
-/// Labels are whole numbers, exact in `f32` up to 2^24.
-fn labels(map: &Image) -> Vec<i64> {
-    map.pixels.iter().map(|&label| label as i64).collect()
+/// The labels of a map; an image that is none would be scored without sense.
+fn labels(map: &Image, path: &Path) -> Result<Vec<i64>> {
+    let labels = LabelMap::of(&map.pixels).map_err(|odd| {
+        let (x, y) = (odd % map.width + 1, odd / map.width + 1);
+        anyhow!("{} is no label map: pixel ({x}, {y}) is {}", path.display(), map.pixels[odd])
+    })?;
+    Ok(labels.labels.iter().map(|&label| i64::from(label)).collect())
 }

@@ -3,7 +3,7 @@
 use super::choices::ArithmeticOption;
 use super::job::{Done, Manner, guarded, plan, process};
 use super::memory::{Memory, Share, amount, need};
-use super::messages::{Volume, about_input, progress_bar, report, show};
+use super::messages::{Course, Volume, about_input, progress_bar, report, show};
 use super::say::{Stderr, Stdout};
 use super::{Beside, Measuring, Options, Usage, batch};
 use crate::input::Input;
@@ -50,10 +50,14 @@ pub struct Arguments {
     /// needs more is refused, others wait for each other [default: what container and system give].
     #[arg(long, value_name = "BYTES", value_parser = amount)]
     max_memory: Option<u64>,
-    /// Print the summary on stdout, as JSON; for several images one line each.
+    /// Write a line IMAGE,FOLDER for each image to this file (- is stdout) and segment none: a job list for Nextflow,
+    /// HTCondor or xargs, each job of which is `skyfront segment IMAGE --out FOLDER` with options of its own.
+    #[arg(long, value_name = "FILE")]
+    pub job_list: Option<PathBuf>,
+    /// Print the summary of each image on stdout, as one line of JSON.
     #[arg(long)]
     pub json: bool,
-    /// Say more: every warning and the time of every stage.
+    /// Say more: sky, noise, threshold, how many sources have which flag, the time of every stage.
     #[arg(long, short, conflicts_with = "quiet")]
     verbose: bool,
     /// Say nothing but errors.
@@ -96,7 +100,7 @@ impl Arguments {
         let mut share = None;
         let mut admit = |width, height| {
             let size = (width, height);
-            share = Some(memory.take(need(config, &manner, maps.count(), size)?, size)?);
+            share = Some(memory.take(need(config, manner.pictures, maps.count(), size)?, size)?);
             Ok(())
         };
         let image = Place::new(path).read_hdu_if(self.hdu.as_ref(), &mut admit)?;
@@ -109,12 +113,16 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let config = arguments.options.config()?;
     arguments.options.arithmetic.validate(&config)?;
     arguments.measuring.validate()?;
+    arguments.beside.validate()?;
     let marches = config.scheme == Scheme::FastMarching && arguments.options.arithmetic == ArithmeticOption::F32;
     if arguments.manner().request.arrival && !marches {
         bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));
     }
     if arguments.manner().request.sky && !config.sky.is_known() {
         bail!(Usage("--sky-maps is not used by --sky none; it needs --sky mesh or frame"));
+    }
+    if let Some(list) = &arguments.job_list {
+        return batch::list(arguments, list);
     }
     match arguments.images.as_slice() {
         [path] => {
@@ -124,7 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
             let products = plan(&arguments.out, &manner, &[])?;
             let done = guarded(|| segment_image(&config, &input, products, &manner, arguments.volume()))?;
             if arguments.json {
-                writeln!(Stdout, "{:#}", done.summary)?;
+                writeln!(Stdout, "{}", done.summary)?;
             }
             Ok(ExitCode::SUCCESS)
         }
@@ -142,8 +150,9 @@ pub fn segment_image(
 ) -> Result<Done> {
     let name = &input.detected.name;
     about_input(input, volume).iter().for_each(|line| writeln!(Stderr, "{line}"));
-    let bar = progress_bar(u64::from(config.max_steps()), "steps", volume);
-    let done = process(config, input, products, manner, &mut |progress| show(&bar, progress));
+    let mut course = Course::of(config);
+    let bar = progress_bar(course.length, "steps", volume);
+    let done = process(config, input, products, manner, &mut |progress| show(&bar, &mut course, progress));
     bar.finish_and_clear();
     let done = done?;
     for line in report(config, name, &done, volume) {

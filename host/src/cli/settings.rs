@@ -20,7 +20,7 @@ use toml::{Table, Value};
 /// The argument that names the file.
 const FILE: &str = "config_file";
 /// Options that say what to do now, not how: they stand on the command line only.
-const NOT_SETTINGS: [&str; 5] = [FILE, "dump_config", "out", "help", "version"];
+const NOT_SETTINGS: [&str; 6] = [FILE, "dump_config", "out", "job_list", "help", "version"];
 
 /// The options that a file may set.
 fn settings(command: &Command) -> impl Iterator<Item = (&Arg, &str)> {

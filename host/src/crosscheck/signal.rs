@@ -19,10 +19,13 @@ use crate::reference::{Plane, ReferenceError, is_beyond_reach};
 use skyfront_core::arithmetic::{Arithmetic, Level, Real};
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::front::outline::Front;
+use skyfront_core::plane::crew::Alone;
+use skyfront_core::plane::grid::Grid;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::Workspace;
 use skyfront_core::sky::view::Known;
+use std::collections::HashMap;
 
 /// Runs the core and looks at each of its steps beside the reference's with `asked`: the settings of the
 /// configuration, or others to see whether it is noticed. A front of the paper moves in `A`.
@@ -153,6 +156,26 @@ impl Left {
             labels: work.labels.to_vec(),
             regions: work.regions.iter().take(most.min(work.regions.len())).map(seen).collect(),
         }
+    }
+
+    /// The same regions in the core's order, each where the core's has its peak: in which order the components of the
+    /// outlines are gone through, and so how their regions are numbered, changes no source.
+    fn renumbered(&self, exact: &Regions) -> Regions {
+        let mut place: Vec<Option<usize>> = vec![None; exact.table.len()];
+        let mut taken = vec![false; exact.table.len()];
+        let peaks: HashMap<usize, usize> =
+            exact.table.iter().enumerate().map(|(at, region)| (region.peak, at)).collect();
+        for (at, core) in self.regions.iter().enumerate().take(taken.len()) {
+            if let Some(&own) = peaks.get(&core.peak) {
+                (place[own], taken[at]) = (Some(at), true);
+            }
+        }
+        let mut free = (0..taken.len()).filter(|&at| !taken[at]);
+        let place: Vec<usize> = place.into_iter().map(|at| at.or_else(|| free.next()).unwrap_or_default()).collect();
+        let mut table = exact.table.clone();
+        exact.table.iter().zip(&place).for_each(|(region, &at)| table[at] = region.clone());
+        let named = |&label: &u32| if label == 0 { 0 } else { place[label as usize - 1] as u32 + 1 };
+        Regions { labels: exact.labels.iter().map(named).collect(), table }
     }
 
     /// Pixels with another label, and regions with pixels that have another centre, another part that was divided from
@@ -389,11 +412,12 @@ impl Walk {
             |cells: &[L]| Plane::from_fn(width, height, |i, j| cells[j as usize * width + i as usize].to_f32().into());
         let (signal, mut u, mut rows) = (cells(&before.fine), cells(image), vec![L::ZERO; 2 * width]);
         front.start(&mut u);
+        let Some(grid) = Grid::of(u.len(), width) else { return };
         let off = image.map(|v| self.grain + bit(23) * (v.abs() + 1.0));
         self.plane("u0", &plane(&u), &start(image, asked.threshold), &off);
         for _ in 0..asked.steps {
             let old = plane(&u);
-            front.step(&signal, &mut u, &mut rows, width);
+            front.step(&signal, &mut u, &mut rows, grid, &Alone);
             let off = self.front_off(&old, &before.fine);
             // On which side of the least gradient a pixel lies may hang on a rounding.
             let open = if self.grain > 0.0 { 0.05 } else { bit(12) };
@@ -443,7 +467,8 @@ impl Walk {
         let (sharp, off) = self.sharpened(&before.fine, 1.5, self.asked.sharpening);
         self.plane("sharpened", &after.fine, &sharp, &off);
         let inside = self.inside(before);
-        let run = |judge: &Judge| reference::tree(&after.fine, &inside, self.photon, &self.asked, judge);
+        let run =
+            |judge: &Judge| after.renumbered(&reference::tree(&after.fine, &inside, self.photon, &self.asked, judge));
         self.regions = reference::nearest(self.slack(), run, |regions| after.apart(regions));
         self.notes.count("tree", after.apart(&self.regions));
         let pairs = self.regions.table.iter().zip(&after.regions).filter(|(exact, _)| exact.area >= 3);
@@ -482,7 +507,7 @@ impl Walk {
         let (signal, masked, cut_off) = (&before.signal, &before.masked, self.facts.cut_off);
         let run = |judge: &Judge| {
             let cut = reference::cut(signal, core, masked, cut_off, &regions, &settings, judge);
-            (cut.significance, reference::select(signal, core, &regions, cut.least, &settings, judge))
+            (cut.significance, reference::select(signal, core, &regions, cut, &settings, judge))
         };
         let slack = Slack { relative: bit(18), absolute: 2.0 * self.grain };
         let wrong = |(labels, _): &(Vec<u32>, u32)| differing(labels, &after.labels);

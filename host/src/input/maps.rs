@@ -14,12 +14,12 @@ pub struct Maps {
     pub background: Option<Given>,
     /// Its noise.
     pub weight: Option<(Given, WeightType)>,
-    /// The image in which the sources are measured.
-    pub measure: Option<Place>,
-    /// Its sky.
-    pub measure_background: Option<Given>,
-    /// Its noise.
-    pub measure_weight: Option<(Given, WeightType)>,
+    /// The images in which the sources are measured.
+    pub measure: Vec<Place>,
+    /// The sky of each; none, or one for each.
+    pub measure_background: Vec<Given>,
+    /// The noise of each; none, or one for each.
+    pub measure_weight: Vec<(Given, WeightType)>,
     /// A label map whose sources are measured instead of segmenting.
     pub segmentation: Option<Place>,
     /// A table of places that are measured instead of sources.
@@ -58,16 +58,9 @@ impl fmt::Display for Given {
 impl Maps {
     /// How many there are.
     pub fn count(&self) -> usize {
-        let given = [
-            self.mask.is_some(),
-            self.background.is_some(),
-            self.weight.is_some(),
-            self.measure.is_some(),
-            self.measure_background.is_some(),
-            self.measure_weight.is_some(),
-            self.start.is_some(),
-        ];
-        given.into_iter().filter(|&given| given).count()
+        let given = [self.mask.is_some(), self.background.is_some(), self.weight.is_some(), self.start.is_some()];
+        let of_bands = [self.measure.len(), self.measure_background.len(), self.measure_weight.len()];
+        given.into_iter().filter(|&given| given).count() + of_bands.iter().sum::<usize>()
     }
 
     /// Reads the maps and lays them over an image.
@@ -80,43 +73,27 @@ impl Maps {
             return Ok(Input::alone(name, image));
         }
         let before = defined(&image);
-        let mut loader = Loader { size: (image.width, image.height), beside: Vec::new() };
+        let mut loader = Loader { size: (image.width, image.height), band: 0, beside: Vec::new() };
         let mut input = Input::alone(name, image);
-        if let Some(place) = &self.measure {
+        for (band, place) in self.measure.iter().enumerate() {
+            loader.band = band;
             let image = loader.image("measure", "SFMEAS", place)?;
-            input.measured =
-                Some(Observed { name: place.to_string(), image, background: None, noise: None, relative: false });
+            let name = place.to_string();
+            input.bands.push(Observed { name, image, background: None, noise: None, relative: false });
         }
+        loader.band = 0;
         if let Some(place) = &self.mask {
             let mask = loader.image("mask", "SFMASK", place)?;
             mask_out(&mask, place, &mut input).map_err(|reason| MapError { option: "mask", reason })?;
         }
-        let first = ("background", "SFBGMAP", &self.background, "weight", "SFWEIGHT", &self.weight);
-        let second = (
-            "measure-background",
-            "SFMBGMAP",
-            &self.measure_background,
-            "measure-weight",
-            "SFMWEIGH",
-            &self.measure_weight,
-        );
-        let observed = [Some(&mut input.detected), input.measured.as_mut()];
-        for (observed, (sky, sky_key, background, wht, wht_key, weight)) in observed.into_iter().zip([first, second]) {
-            let Some(observed) = observed else { continue };
-            if let Some(given) = background {
-                let plane = loader.plane(sky, sky_key, given)?;
-                remove(&mut observed.image, plane.iter().map(|level| !level.is_finite()));
-                left(&observed.image, given, "it is nowhere defined where the image is")
-                    .map_err(|reason| MapError { option: sky, reason })?;
-                observed.background = Some(plane);
-            }
-            if let Some((given, kind)) = weight {
-                let noise = kind.noise(&loader.plane(wht, wht_key, given)?, &observed.image);
-                remove(&mut observed.image, noise.iter().map(|sigma| sigma.is_nan()));
-                left(&observed.image, given, NO_WEIGHT).map_err(|reason| MapError { option: wht, reason })?;
-                (observed.noise, observed.relative) = (Some(noise), kind.is_relative());
-            }
+        let own = (self.background.as_ref(), self.weight.as_ref());
+        loader.observe(&mut input.detected, &OF_DETECTED, own)?;
+        for (band, observed) in input.bands.iter_mut().enumerate() {
+            loader.band = band;
+            let own = (self.measure_background.get(band), self.measure_weight.get(band));
+            loader.observe(observed, &OF_MEASURED, own)?;
         }
+        loader.band = 0;
         if let Some(place) = &self.segmentation {
             let map = loader.image("segmentation", "SFSEGMAP", place)?;
             let labels = LabelMap::of(&map.pixels).map_err(|at| Reason::Content {
@@ -132,7 +109,7 @@ impl Maps {
             let refused = |reason| MapError { option: "positions", reason: Reason::Table(reason) };
             input.positions = Some(Positions::read(path).map_err(refused)?);
             let file = path.display().to_string();
-            loader.beside.push(Beside { option: "positions", keyword: "SFPLACES", file, checksum: None });
+            loader.note("positions", "SFPLACES", file, None);
         }
         if let Some((place, margin)) = &self.start {
             let map = loader.image("start", "SFSTMAP", place)?;
@@ -150,16 +127,62 @@ impl Maps {
 /// Why a weight map can leave nothing.
 const NO_WEIGHT: &str = "where its values are above 0 and finite, no pixel is defined; is --weight-type right?";
 
+/// Options and keywords of the sky and the noise of an image.
+struct Names {
+    sky: (&'static str, &'static str),
+    noise: (&'static str, &'static str),
+}
+
+const OF_DETECTED: Names = Names { sky: ("background", "SFBGMAP"), noise: ("weight", "SFWEIGHT") };
+const OF_MEASURED: Names = Names { sky: ("measure-background", "SFMBGMAP"), noise: ("measure-weight", "SFMWEIGH") };
+
 /// Reads maps of one size and keeps account of them.
 struct Loader {
     size: (usize, usize),
+    /// The number of the measured image that is read, from 0.
+    band: usize,
     beside: Vec<Beside>,
 }
 
 impl Loader {
+    /// Keeps account of a file or a number; from the second measured image on with its number.
+    fn note(&mut self, option: &str, keyword: &str, file: String, checksum: Option<u32>) {
+        let (option, keyword) = match self.band {
+            0 => (option.to_owned(), keyword.to_owned()),
+            // A keyword has 8 letters.
+            band => (format!("{option}-{}", band + 1), format!("{keyword:.6}{}", band + 1)),
+        };
+        self.beside.push(Beside { option, keyword, file, checksum });
+    }
+
+    /// Lays its sky and its noise over an image.
+    fn observe(
+        &mut self,
+        observed: &mut Observed,
+        names: &Names,
+        (background, weight): (Option<&Given>, Option<&(Given, WeightType)>),
+    ) -> Result<(), MapError> {
+        let (option, keyword) = names.sky;
+        if let Some(given) = background {
+            let plane = self.plane(option, keyword, given)?;
+            remove(&mut observed.image, plane.iter().map(|level| !level.is_finite()));
+            left(&observed.image, given, "it is nowhere defined where the image is")
+                .map_err(|reason| MapError { option, reason })?;
+            observed.background = Some(plane);
+        }
+        let (option, keyword) = names.noise;
+        if let Some((given, kind)) = weight {
+            let noise = kind.noise(&self.plane(option, keyword, given)?, &observed.image);
+            remove(&mut observed.image, noise.iter().map(|sigma| sigma.is_nan()));
+            left(&observed.image, given, NO_WEIGHT).map_err(|reason| MapError { option, reason })?;
+            (observed.noise, observed.relative) = (Some(noise), kind.is_relative());
+        }
+        Ok(())
+    }
+
     fn image(&mut self, option: &'static str, keyword: &'static str, place: &Place) -> Result<Image, MapError> {
         let map = sized(place, self.size).map_err(|reason| MapError { option, reason })?;
-        self.beside.push(Beside { option, keyword, file: place.to_string(), checksum: Some(map.checksum) });
+        self.note(option, keyword, place.to_string(), Some(map.checksum));
         Ok(map)
     }
 
@@ -167,7 +190,7 @@ impl Loader {
         match given {
             Given::Map(place) => Ok(self.image(option, keyword, place)?.pixels),
             Given::Level(level) => {
-                self.beside.push(Beside { option, keyword, file: level.to_string(), checksum: None });
+                self.note(option, keyword, level.to_string(), None);
                 Ok(vec![*level; self.size.0 * self.size.1])
             }
         }
@@ -190,7 +213,7 @@ fn sized(place: &Place, (image_width, image_height): (usize, usize)) -> Result<I
     }
 }
 
-/// Takes masked pixels from both images. A mask holds flags; an image in its place would remove
+/// Takes masked pixels from all images. A mask holds flags; an image in its place would remove
 /// whatever is not exactly 0.
 fn mask_out(mask: &Image, place: &Place, input: &mut Input) -> Result<(), Reason> {
     if let Some(at) = mask.pixels.iter().position(|value| value.is_finite() && value.fract() != 0.0) {
@@ -202,7 +225,7 @@ fn mask_out(mask: &Image, place: &Place, input: &mut Input) -> Result<(), Reason
             wanted: "a mask holds whole numbers: 0 for good, another for bad",
         });
     }
-    for observed in [Some(&mut input.detected), input.measured.as_mut()].into_iter().flatten() {
+    for observed in std::iter::once(&mut input.detected).chain(&mut input.bands) {
         remove(&mut observed.image, mask.pixels.iter().map(|&value| value != 0.0));
         left(&observed.image, place, "where it is 0, and 0 is a good pixel, no pixel is defined")?;
     }

@@ -39,8 +39,8 @@ pub struct Observed {
 pub struct Input {
     /// The image that is segmented.
     pub detected: Observed,
-    /// The image of the same pixels in which the sources are measured, where that is another one.
-    pub measured: Option<Observed>,
+    /// The images of the same pixels in which the sources are measured, where those are others.
+    pub bands: Vec<Observed>,
     /// Where the front starts, where a map says it.
     pub start: Option<StartMap>,
     /// A label map that takes the place of the segmentation.
@@ -58,10 +58,10 @@ pub struct Input {
 /// A file, or a number in its place, that came beside the image.
 #[derive(Clone, Debug)]
 pub struct Beside {
-    /// What it is: the option that named it.
-    pub option: &'static str,
+    /// What it is: the option that named it; of several equal ones, from the second on, with its number.
+    pub option: String,
     /// Its keyword in headers.
-    pub keyword: &'static str,
+    pub keyword: String,
     /// As it was named.
     pub file: String,
     /// CRC-32 of the file.
@@ -82,7 +82,7 @@ impl Input {
         let detected = Observed { name: name.to_owned(), image, background: None, noise: None, relative: false };
         Input {
             detected,
-            measured: None,
+            bands: Vec::new(),
             start: None,
             segmentation: None,
             positions: None,
@@ -102,14 +102,9 @@ impl Input {
         self.segmentation.as_ref().map_or(label, |map| map.name(label))
     }
 
-    /// The image in which the sources are measured.
-    pub fn measured(&self) -> &Observed {
-        self.measured.as_ref().unwrap_or(&self.detected)
-    }
-
     /// What headers tell of the files beside the image.
     pub fn entries(&self) -> impl Iterator<Item = Entry> {
-        self.beside.iter().map(|map| Entry::new(map.keyword, map.file.as_str(), &map.comment()))
+        self.beside.iter().map(|map| Entry::new(&map.keyword, map.file.as_str(), &map.comment()))
     }
 
     /// The same as JSON, by option.

@@ -9,6 +9,7 @@ mod growth;
 mod level;
 mod local;
 mod overlap;
+mod petrosian;
 mod scene;
 mod shape;
 mod window;
@@ -16,6 +17,7 @@ mod window;
 pub use aperture::Aperture;
 pub use level::{Level, clipped_scatter, estimate};
 pub use local::Local;
+pub use petrosian::Petrosian;
 pub use scene::{Neighbours, Scene};
 pub use shape::{Ellipse, Shape, Values};
 pub use window::Windowed;
@@ -71,11 +73,18 @@ pub struct Wanted {
     pub windowed: bool,
     /// The background beside the source.
     pub local: bool,
+    /// The Petrosian radius.
+    pub petrosian: bool,
+}
+
+impl Wanted {
+    /// Nothing.
+    pub const NOTHING: Wanted = Wanted { kron: false, windowed: false, local: false, petrosian: false };
 }
 
 impl Default for Wanted {
     fn default() -> Self {
-        Wanted { kron: true, windowed: false, local: false }
+        Wanted { kron: true, ..Wanted::NOTHING }
     }
 }
 
@@ -132,6 +141,8 @@ pub struct Measured {
     pub windowed: Windowed,
     /// The background beside the source.
     pub local: Local,
+    /// The Petrosian radius and flux.
+    pub petrosian: Petrosian,
     /// Flux of the segment above the background beside the source, with the noise there.
     pub local_flux: Flux,
     /// Right ascension and declination, degrees.
@@ -146,6 +157,8 @@ pub struct Measured {
     pub position_angle: Option<f64>,
     /// Bits of [`skyfront_core::sources::flags`].
     pub flags: u32,
+    /// The same source in further images.
+    pub bands: Vec<Measured>,
 }
 
 impl Measured {
@@ -176,7 +189,7 @@ pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: 
 /// Measures the circular apertures at places, columns and rows from 0, as if a source of the label
 /// there had its centroid at each; all else is NaN.
 pub fn measure_at(scene: &Scene<'_>, places: &[(f64, f64)], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
-    let extras = &Extras { wanted: Wanted { kron: false, windowed: false, local: false }, ..extras.clone() };
+    let extras = &Extras { wanted: Wanted::NOTHING, ..extras.clone() };
     let task = Task { scene, extras, sky };
     in_order(places.len(), PIECE, extras.threads, |index, growth: &mut Growth| {
         let (x, y) = places[index];
@@ -220,6 +233,8 @@ impl Task<'_> {
         } else {
             Windowed::NONE
         };
+        let petrosian = if wanted.petrosian { Petrosian::of(scene, &shape, source) } else { Petrosian::NONE };
+        flags |= petrosian.flags;
         let local = if wanted.local { Local::of(scene, source) } else { Local::NONE };
         Measured {
             source: *source,
@@ -235,6 +250,7 @@ impl Task<'_> {
             apertures,
             windowed,
             local,
+            petrosian,
             local_flux: sums.flux_beside(scene, &local),
             position: sky.and_then(|sky| sky.position(shape.x, shape.y)),
             own_position: sky.and_then(|sky| sky.own_position(shape.x, shape.y)),
@@ -242,6 +258,7 @@ impl Task<'_> {
             windowed_position: sky.filter(|_| wanted.windowed).and_then(|sky| sky.position(windowed.x, windowed.y)),
             position_angle: sky.and_then(|sky| sky.position_angle(shape.x, shape.y, shape.theta)),
             flags: flags & !shape::OUTLINE,
+            bands: Vec::new(),
         }
     }
 

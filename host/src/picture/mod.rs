@@ -14,7 +14,8 @@ mod stretch;
 pub use beside::side_by_side;
 pub use canvas::Canvas;
 pub use contact::contact_sheet;
-pub use overlay::overlay;
+pub use outline::{Zoom, reduced};
+pub use overlay::{overlay, overlay_in};
 pub use stages::{captions, stage, stages};
 pub use stretch::Stretch;
 

@@ -71,18 +71,17 @@ const MOST_LEVEL: f32 = 10.0;
 
 /// Draws one panel; whether there was anything to draw.
 fn draw(canvas: &mut Canvas, panel: &Panel, run: &Segmentation, planes: &StagePlanes, index: usize) -> bool {
-    let unit = Stretch::linear(0.0, 1.0);
-    let mut grey = |plane: &[f32]| {
+    let mut grey = |plane: &[f32], stretch: &Stretch| {
         if !plane.is_empty() {
-            panel.draw(canvas, |pixel| [unit.shade(plane[pixel]); 3]);
+            panel.draw_image(canvas, plane, stretch);
         }
         !plane.is_empty()
     };
     match index {
-        0 => grey(&planes.normalised),
-        1 => grey(&planes.rescaled),
-        2 => grey(&planes.filtered),
-        3 => grey(&planes.edge),
+        0 => grey(&planes.normalised, &Stretch::of(&planes.normalised)),
+        1 => grey(&planes.rescaled, &Stretch::of(&planes.rescaled)),
+        2 => grey(&planes.filtered, &Stretch::of(&planes.filtered)),
+        3 => grey(&planes.edge, &Stretch::linear(0.0, 1.0)),
         4 => {
             let most = run.front.iter().fold(0.0f32, |most, value| most.max(value.abs())).min(MOST_LEVEL);
             panel.draw(canvas, |pixel| level_colour(run.front[pixel], most));

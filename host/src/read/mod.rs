@@ -8,6 +8,7 @@
 //! read, so that a picture stands upright wherever row 0 is drawn at the bottom.
 
 mod choice;
+mod decoded;
 mod error;
 mod fits;
 mod hdu;

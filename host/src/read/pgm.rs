@@ -3,8 +3,8 @@
 use std::io::Read;
 
 use super::Admit;
+use super::decoded::Picture;
 use super::error::Fault;
-use super::picture::Picture;
 use super::pixels;
 use super::source::Source;
 

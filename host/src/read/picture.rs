@@ -2,19 +2,11 @@
 
 use std::path::Path;
 
+use super::decoded::Picture;
 use super::error::{Fault, ReadError};
 use super::header::Header;
 use super::source::Source;
 use super::{Admit, HduChoice, Image, pgm, png};
-
-/// A decoded picture, top row first.
-pub(super) struct Picture {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    pub(super) pixels: Vec<f32>,
-    /// Bits of a sample.
-    pub(super) bitpix: i64,
-}
 
 /// A reader of one picture format.
 pub(super) type Decode = fn(&mut Source, &mut Admit<'_>) -> Result<Picture, Fault>;

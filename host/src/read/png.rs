@@ -5,8 +5,8 @@ use std::io::{Cursor, Read};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Limits};
 
 use super::Admit;
+use super::decoded::Picture;
 use super::error::Fault;
-use super::picture::Picture;
 use super::pixels;
 use super::source::Source;
 

@@ -47,14 +47,19 @@ impl Section {
     }
 }
 
-/// A header whose reference pixels are so many columns and rows nearer to the first pixel.
+/// A header whose reference pixels are so many columns and rows nearer to the first pixel, which on a
+/// photographic plate is so many farther from its corner.
 fn moved(header: &Header, by: [usize; 2]) -> Header {
+    const MOVED: [(&str, f64, usize); 4] =
+        [("CRPIX1", -1.0, 0), ("CRPIX2", -1.0, 1), ("CNPIX1", 1.0, 0), ("CNPIX2", 1.0, 1)];
     let card = |card: &Card| {
         let keyword = card.keyword();
-        let axis = ["CRPIX1", "CRPIX2"].iter().position(|name| keyword.strip_prefix(name).is_some_and(|a| a.len() < 2));
+        let names = |name: &str| keyword.strip_prefix(name).is_some_and(|letter| letter.len() < 2);
         let value = card.value().and_then(|text| super::header::real(&text));
-        match axis.zip(value) {
-            Some((axis, value)) => Card::new(&format!("{keyword:<8}= {:>20?}", value - by[axis] as f64)),
+        match MOVED.iter().find(|(name, ..)| names(name)).zip(value) {
+            Some((&(_, sign, axis), value)) => {
+                Card::new(&format!("{keyword:<8}= {:>20?}", value + sign * by[axis] as f64))
+            }
             None => *card,
         }
     };
@@ -66,7 +71,7 @@ mod tests {
     use super::*;
 
     fn image() -> Image {
-        let cards = ["CRPIX1  = 3.5 / middle", "CRPIX2A = 1", "CRVAL1  = 3.5"].map(Card::new).to_vec();
+        let cards = ["CRPIX1  = 3.5 / middle", "CRPIX2A = 1", "CRVAL1  = 3.5", "CNPIX1  = 88"].map(Card::new).to_vec();
         Image {
             width: 4,
             height: 3,
@@ -88,6 +93,7 @@ mod tests {
         assert_eq!(part.pixels, [1.0, 2.0, 5.0, 6.0, 9.0, 10.0]);
         let real = |keyword: &str| part.header.real(keyword);
         assert_eq!((real("CRPIX1"), real("CRPIX2A"), real("CRVAL1")), (Some(2.5), Some(1.0), Some(3.5)));
+        assert_eq!(real("CNPIX1"), Some(89.0));
         let lower = Section::parse("1:4,3:3").and_then(|section| section.of(image()).ok()).expect("a row");
         assert_eq!((lower.pixels.as_slice(), lower.header.real("CRPIX2A")), (&[8.0, 9.0, 10.0, 11.0][..], Some(-1.0)));
     }

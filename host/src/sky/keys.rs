@@ -10,8 +10,15 @@ const WHOLE: [&str; 6] = ["LONPOLE", "LATPOLE", "EQUINOX", "EPOCH", "RADESYS", "
 const LETTERLESS: [&str; 2] = ["EPOCH", "RADECSYS"];
 /// Keywords of an axis.
 const PER_AXIS: [&str; 6] = ["CTYPE", "CUNIT", "CRVAL", "CRPIX", "CDELT", "CROTA"];
-/// Keywords of an axis whose values are text.
-const TEXTS: [&str; 4] = ["CTYPE", "CUNIT", "RADESYS", "RADECSYS"];
+/// Keywords whose values are text.
+const TEXTS: [&str; 5] = ["CTYPE", "CUNIT", "RADESYS", "RADECSYS", "PLTDECSN"];
+/// Keywords of a photographic plate, but for its coefficients.
+const PLATE: [&str; 13] = [
+    "PPO3", "PPO6", "XPIXELSZ", "YPIXELSZ", "CNPIX1", "CNPIX2", "PLTRAH", "PLTRAM", "PLTRAS", "PLTDECSN", "PLTDECD",
+    "PLTDECM", "PLTDECS",
+];
+/// Its coefficients.
+const PLATE_TERMS: [&str; 2] = ["AMDX", "AMDY"];
 /// Polynomials of SIP.
 const SIP: [&str; 2] = ["A_", "B_"];
 
@@ -48,7 +55,9 @@ impl Keys {
         }
         // A card with a blank value leaves it undefined (FITS standard 4.0, section 4.1.2.3).
         let Some(value) = card.value() else { return Ok(()) };
-        if TEXTS.iter().any(|text| name.starts_with(text)) {
+        if name.starts_with("WAT") {
+            self.texts.insert(name, value);
+        } else if TEXTS.iter().any(|text| name.starts_with(text)) {
             self.texts.insert(name, value.trim().to_owned());
         } else {
             let number = crate::read::header::real(&value).ok_or_else(|| unreadable(card, "it is no number"))?;
@@ -67,10 +76,27 @@ impl Keys {
         self.numbers.get(name).copied()
     }
 
+    /// The pieces of a long text whose keywords begin with `prefix`, in order. Each fills its card: what
+    /// blanks a reader has cut off its end separate it from the next.
+    pub fn pieces(&self, prefix: &str) -> String {
+        const LENGTH: usize = 68;
+        let numbered = |(name, text): (&String, &String)| Some((number(name.strip_prefix(prefix)?)?, text.clone()));
+        let mut pieces: Vec<(u16, String)> = self.texts.iter().filter_map(numbered).collect();
+        pieces.sort_unstable();
+        pieces.iter().map(|(_, text)| format!("{text:LENGTH$}")).collect()
+    }
+
     /// The same without the parameters of the projection (`PVi_m`).
     pub fn without_parameters(&self) -> Keys {
         let numbers = self.numbers.iter().filter(|(name, _)| !name.starts_with("PV"));
         Keys { texts: self.texts.clone(), numbers: numbers.map(|(name, &value)| (name.clone(), value)).collect() }
+    }
+
+    /// The same with these numbers as the parameters of an axis.
+    pub fn with_parameters(&self, axis: usize, parameters: &[(usize, f64)]) -> Keys {
+        let mut keys = self.without_parameters();
+        keys.numbers.extend(parameters.iter().map(|(m, value)| (format!("PV{axis}_{m}"), *value)));
+        keys
     }
 
     /// The names and values of all numbers that begin with `prefix`.
@@ -89,7 +115,7 @@ fn standard(keyword: &str, letter: Option<char>) -> Option<String> {
     if SIP.iter().any(|name| keyword.strip_prefix(name).is_some_and(is_power)) {
         return Some(keyword.to_owned());
     }
-    if letter.is_none() && LETTERLESS.contains(&keyword) {
+    if letter.is_none() && (LETTERLESS.contains(&keyword) || is_plate(keyword) || is_piece(keyword)) {
         return Some(keyword.to_owned());
     }
     let base = match letter {
@@ -111,6 +137,18 @@ fn standard(keyword: &str, letter: Option<char>) -> Option<String> {
     let (i, j) = (number(i)?, number(j)?);
     let planar = (1..=2).contains(&i) && (name == "PV" || (1..=2).contains(&j));
     (matches!(name, "CD" | "PC" | "PV") && planar).then(|| format!("{name}{i}_{j}"))
+}
+
+/// Whether a keyword belongs to a photographic plate.
+fn is_plate(keyword: &str) -> bool {
+    let term = |name: &&str| keyword.strip_prefix(*name).is_some_and(|n| number(n).is_some());
+    PLATE.contains(&keyword) || PLATE_TERMS.iter().any(term)
+}
+
+/// Whether a keyword holds a piece of the text of one of the first two axes, `WATi_nnn`.
+fn is_piece(keyword: &str) -> bool {
+    let numbers = keyword.strip_prefix("WAT").and_then(|rest| rest.split_once('_'));
+    numbers.is_some_and(|(axis, n)| matches!(axis, "1" | "2") && number(n).is_some())
 }
 
 /// Whether a SIP keyword goes on with a pair of powers, or is the order.

@@ -28,18 +28,22 @@ pub fn degrees(keys: &Keys, axis: usize) -> Result<f64, String> {
 /// there; its rows are the longitude and the latitude axis.
 ///
 /// # Errors
-/// Units other than degrees, and a matrix that maps the image onto a line.
+/// Units other than degrees, two matrices, and one that maps the image onto a line.
 pub fn matrix(keys: &Keys, axes: [usize; 2]) -> Result<[[f64; 2]; 2], String> {
     let element = |name: &str, i: usize, j: usize| keys.real(&format!("{name}{i}_{j}"));
     let has = |name: &str| (1..=2).any(|i| (1..=2).any(|j| element(name, i, j).is_some()));
     let scale = |i: usize| keys.real(&format!("CDELT{i}")).unwrap_or(1.0);
-    if has("CD") && has("PC") {
-        return Err("CDi_j and PCi_j together".to_owned());
+    let of_cd = || [1, 2].map(|i| [1, 2].map(|j| element("CD", i, j).unwrap_or(0.0)));
+    let of_pc =
+        || [1, 2].map(|i| [1, 2].map(|j| scale(i) * element("PC", i, j).unwrap_or(f64::from(u8::from(i == j)))));
+    // The standard has one of the two. Some writers tell the same twice.
+    if has("CD") && has("PC") && differ(of_cd(), of_pc()) {
+        return Err("CDi_j and PCi_j that differ".to_owned());
     }
     let mut rows = if has("CD") {
-        [1, 2].map(|i| [1, 2].map(|j| element("CD", i, j).unwrap_or(0.0)))
+        of_cd()
     } else if has("PC") {
-        [1, 2].map(|i| [1, 2].map(|j| scale(i) * element("PC", i, j).unwrap_or(f64::from(u8::from(i == j)))))
+        of_pc()
     } else {
         // By convention the rotation stands with the latitude axis.
         let angle = keys.real(&format!("CROTA{}", axes[1])).unwrap_or(0.0).to_radians();
@@ -56,4 +60,12 @@ pub fn matrix(keys: &Keys, axes: [usize; 2]) -> Result<[[f64; 2]; 2], String> {
         return Err("a linear step without an inverse".to_owned());
     }
     Ok(axes.map(|axis| rows[axis - 1]))
+}
+
+/// Whether two matrices differ by more than rounding.
+fn differ(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> bool {
+    const ROUNDING: f64 = 1e-10;
+    let elements = || a.as_flattened().iter().zip(b.as_flattened());
+    let greatest = elements().map(|(a, b)| a.abs().max(b.abs())).fold(0.0, f64::max);
+    elements().any(|(a, b)| (a - b).abs() > ROUNDING * greatest)
 }

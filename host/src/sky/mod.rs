@@ -1,8 +1,8 @@
 //! Sky coordinates of pixels, from an image's header (Greisen and Calabretta 2002,
 //! doi:10.1051/0004-6361:20021326 and doi:10.1051/0004-6361:20021327).
 //!
-//! Pixel, SIP, linear step, TPV and the rotation of the sphere are worked out here, the projections
-//! by the `mapproj` crate. Pixel positions count from 0. What is not supported, or stands in the
+//! Pixel, SIP, linear step, what may follow it (TPV, the surfaces of TNX and ZPX, a plate solution) and the
+//! rotation of the sphere are worked out here, the projections by the `mapproj` crate. Pixel positions count from 0. What is not supported, or stands in the
 //! header and cannot be read, is refused in words: no position is better than a wrong one.
 
 mod distortion;
@@ -10,8 +10,10 @@ mod frame;
 mod keys;
 mod linear;
 mod patch;
+mod plate;
 mod projection;
 mod rotation;
+mod wat;
 
 pub use frame::Frame;
 pub use patch::Patch;
@@ -19,20 +21,40 @@ pub use patch::Patch;
 use crate::read::Header;
 use distortion::{Sip, Tpv};
 use keys::Keys;
+use plate::Plate;
 use projection::Projection;
 use rotation::Rotation;
+use wat::Wat;
 
 /// The coordinate system of an image.
 #[derive(Debug)]
 pub struct Sky {
     reference: [f64; 2],
     sip: Option<Sip>,
-    /// Degrees a pixel; rows are longitude and latitude.
+    /// Degrees per pixel; rows are longitude and latitude. Of a plate, millimetres.
     matrix: [[f64; 2]; 2],
-    tpv: Option<Tpv>,
+    after: Option<After>,
     projection: Projection,
     rotation: Rotation,
     frame: Frame,
+}
+
+/// What follows the linear step.
+#[derive(Debug)]
+enum After {
+    Tpv(Box<Tpv>),
+    Wat(Wat),
+    Plate(Plate),
+}
+
+impl After {
+    fn apply(&self, plane: [f64; 2]) -> [f64; 2] {
+        match self {
+            After::Tpv(tpv) => tpv.apply(plane),
+            After::Wat(wat) => wat.apply(plane),
+            After::Plate(plate) => plate.apply(plane),
+        }
+    }
 }
 
 impl Sky {
@@ -50,18 +72,30 @@ impl Sky {
     /// As [`Sky::of`].
     pub fn alternate(header: &Header, letter: Option<char>) -> Result<Option<Sky>, String> {
         let keys = Keys::of(header, letter)?;
+        if let Some(plate) = Plate::of(&keys)? {
+            return Sky::on_plate(plate, &keys).map(Some);
+        }
         let Some(Axes { numbers, own, kind }) = Axes::of(&keys)? else { return Ok(None) };
         if let Some(card) = header.cards().iter().find(|card| is_lookup(card.keyword())) {
             return Err(format!("distortion by a lookup table ({})", card.keyword()));
         }
         let (name, suffix) = kind.split_at_checked(3).ok_or(format!("projection {kind}"))?;
-        let tpv = (name == "TPV" || (name == "TAN" && is_scamp(&keys, numbers))).then(|| Tpv::of(&keys, numbers));
-        // What TPV keeps in the parameters is none of the projection's.
-        let keys = if tpv.is_some() { keys.without_parameters() } else { keys };
-        let projection = Projection::new(if tpv.is_some() { "TAN" } else { name }, &keys, numbers[1])?;
+        let after = match name {
+            "TPV" => Some(After::Tpv(Tpv::of(&keys, numbers).into())),
+            "TAN" if is_scamp(&keys, numbers) => Some(After::Tpv(Tpv::of(&keys, numbers).into())),
+            "TNX" | "ZPX" => Some(After::Wat(Wat::of(&keys, numbers)?)),
+            _ => None,
+        };
+        // What belongs to the correction is no parameter of the projection.
+        let (name, keys) = match (name, &after) {
+            ("ZPX", _) => ("ZPN", keys.with_parameters(numbers[1], &wat::parameters(&keys, numbers[1])?)),
+            (_, Some(_)) => ("TAN", keys.without_parameters()),
+            (name, None) => (name, keys),
+        };
+        let projection = Projection::new(name, &keys, numbers[1])?;
         let sip = sip(&keys, suffix)?;
-        if sip.is_some() && tpv.is_some() {
-            return Err("SIP and TPV together".to_owned());
+        if sip.is_some() && after.is_some() {
+            return Err("SIP and another distortion together".to_owned());
         }
         let mut centre = [0.0; 2];
         for (centre, axis) in centre.iter_mut().zip(numbers) {
@@ -75,11 +109,27 @@ impl Sky {
             reference: ["CRPIX1", "CRPIX2"].map(|name| keys.real(name).unwrap_or(0.0)),
             sip,
             matrix: linear::matrix(&keys, numbers)?,
-            tpv,
+            after,
             projection,
             rotation,
             frame: own.map_or_else(|| Frame::equatorial(&keys), Ok)?,
         }))
+    }
+
+    /// The coordinates of a photographic plate. They go before those of `CTYPE`, which for a plate are an
+    /// approximation.
+    fn on_plate(plate: Plate, keys: &Keys) -> Result<Sky, String> {
+        let keys = &keys.without_parameters();
+        let projection = Projection::new("TAN", keys, 2)?;
+        Ok(Sky {
+            reference: plate.reference,
+            sip: None,
+            matrix: plate.matrix,
+            rotation: Rotation::new(&Keys::default(), 1, projection.theta0, plate.centre)?,
+            after: Some(After::Plate(plate)),
+            projection,
+            frame: Frame::equatorial(keys)?,
+        })
     }
 
     /// Right ascension and declination in degrees, in [`Sky::frame`], of a pixel position that
@@ -98,7 +148,7 @@ impl Sky {
         let offset = [x + 1.0 - self.reference[0], y + 1.0 - self.reference[1]];
         let [u, v] = self.sip.as_ref().map_or(offset, |sip| sip.apply(offset));
         let plane = self.matrix.map(|row| row[0] * u + row[1] * v);
-        let plane = self.tpv.as_ref().map_or(plane, |tpv| tpv.apply(plane));
+        let plane = self.after.as_ref().map_or(plane, |after| after.apply(plane));
         Some(self.rotation.celestial(self.projection.native(plane)?))
     }
 

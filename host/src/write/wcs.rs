@@ -3,8 +3,8 @@
 use super::entry::{Entry, Value};
 use crate::read::Header;
 
-/// Entries for the coordinates of a two-dimensional image (FITS WCS papers I to III, SIP, TPV, TNX), copied card by
-/// card.
+/// Entries for the coordinates of a two-dimensional image (FITS WCS papers I to III, SIP, TPV, TNX, ZPX, plate solutions),
+/// copied card by card.
 ///
 /// Axes beyond the second are left out. Distortions kept in other HDUs of the input (lookup tables: `CPDISj`, `DPj`,
 /// `D2IMDISj`) cannot be carried over and are left out too.
@@ -28,6 +28,8 @@ fn is_planar(keyword: &str) -> bool {
         "EPOCH", "RADECSYS", "MJD-OBS", "DATE-OBS", "A_ORDER", "B_ORDER", "AP_ORDER", "BP_ORDER", "A_DMAX", "B_DMAX",
         "WAT0_001", "TIMESYS", "MJDREF", "CROTA1", "CROTA2",
     ];
+    const PLATE: [&str; 4] = ["PLT", "AMDX", "AMDY", "CNPIX"];
+    const PLATE_WHOLE: [&str; 8] = ["PPO1", "PPO2", "PPO3", "PPO4", "PPO5", "PPO6", "XPIXELSZ", "YPIXELSZ"];
     const PER_SYSTEM: [&str; 7] = ["WCSAXES", "WCSNAME", "RADESYS", "EQUINOX", "LONPOLE", "LATPOLE", "VELREF"];
     const PER_AXIS: [&str; 7] = ["CTYPE", "CRVAL", "CRPIX", "CDELT", "CUNIT", "CRDER", "CSYER"];
     const PAIR: [&str; 2] = ["CD", "PC"];
@@ -39,6 +41,8 @@ fn is_planar(keyword: &str) -> bool {
         names.iter().find_map(|name| of.strip_prefix(name)).map(str::to_owned)
     };
     WHOLE.contains(&keyword)
+        || PLATE_WHOLE.contains(&keyword)
+        || PLATE.iter().any(|name| keyword.starts_with(name))
         || PER_SYSTEM.contains(&keyword)
         || PER_SYSTEM.contains(&base)
         || rest(&PER_AXIS, base).is_some_and(|n| axis(&n))
@@ -83,7 +87,8 @@ mod tests {
         for keyword in [
             "CTYPE1", "CRVAL2", "CRPIX1A", "CD1_2", "PC2_1", "CDELT2", "CROTA2", "LONPOLE", "LATPOLEB", "RADESYS",
             "RADECSYS", "EQUINOX", "A_ORDER", "A_0_2", "AP_10_0", "B_DMAX", "PV1_10", "PV2_3A", "WCSAXES", "CUNIT1",
-            "WAT1_001", "WCSNAMEA", "PC001002", "PC01_02", "CD002001",
+            "WAT1_001", "AMDX13", "PLTDECSN", "PPO6", "CNPIX1", "XPIXELSZ", "WCSNAMEA", "PC001002", "PC01_02",
+            "CD002001",
         ] {
             assert!(is_planar(keyword), "{keyword}");
         }

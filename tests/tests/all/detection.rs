@@ -206,6 +206,30 @@ fn small_and_constant_frames_are_taken() {
     assert_eq!(flat, Some(Error::NoNoise { value: 7.0, equal: 4096, defined: 4096 }));
 }
 
+/// Bands are of 16 rows or more: here up to 19 of them, the last one lower.
+#[test]
+fn threads_change_no_bit() {
+    let (width, height) = (333, 301);
+    let mut pixels = sky(Kind::Bright, 160, width, height);
+    pixels.iter_mut().step_by(97).for_each(|pixel| *pixel = f32::NAN);
+    let by = |threads: usize| {
+        let mut drive = Drive { threads, ..Drive::default() };
+        segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, width, &mut drive).expect("the frame can be segmented")
+    };
+    let bits = |plane: &[f32]| plane.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    let alone = by(1);
+    assert!(alone.outcome.sources > 5);
+    let alone_sky = alone.sky.as_ref().expect("it is measured");
+    for threads in [2, 3, 40] {
+        let run = by(threads);
+        let sky = run.sky.as_ref().expect("it is measured");
+        assert_eq!((&run.labels, &run.outcome), (&alone.labels, &alone.outcome), "{threads} threads");
+        assert_eq!(bits(&run.front), bits(&alone.front), "{threads} threads");
+        assert_eq!(bits(&sky.level), bits(&alone_sky.level), "{threads} threads");
+        assert_eq!(bits(&sky.noise), bits(&alone_sky.noise), "{threads} threads");
+    }
+}
+
 #[test]
 fn settings_out_of_bounds_are_named() {
     let good = Config::NOISE_AWARE;

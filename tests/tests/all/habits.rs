@@ -273,11 +273,94 @@ fn help_manual_and_completions_come_from_the_options() {
 }
 
 #[test]
-fn verbose_tells_the_stages_and_excludes_quiet() {
+fn verbose_tells_sky_noise_threshold_flags_and_stages_and_excludes_quiet() {
     let folder = Folder::new("verbose");
     let image = folder.file("sky.fits");
-    sky(&image, 3);
+    sky_of(&image, 3, 128);
     let output = skyfront(["segment", &image, "--out", &folder.file("out"), "--verbose", "--preset", "paper-f160"]);
-    assert!(messages(&output).contains("  evolve"), "{}", messages(&output));
+    let said = messages(&output);
+    assert!(said.contains("  evolve") && said.contains("  tau ") && !said.contains("  noise "), "{said}");
+    let wanted = ["segment", &image, "--out", &folder.file("default"), "-v", "--threshold", "2", "--json"];
+    let output = skyfront(wanted);
+    let (said, summary) = (messages(&output), stdout(&output));
+    assert_eq!(summary.lines().count(), 1, "one line of JSON: {summary}");
+    let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    let told = |name: &str| {
+        let line =
+            said.lines().find_map(|line| line.trim().strip_prefix(name)).unwrap_or_else(|| panic!("{name}: {said}"));
+        line.trim().to_owned()
+    };
+    let number = |text: &str| text.trim_end_matches(',').parse::<f64>().expect("a number");
+    let noise = number(told("noise").split(',').next().expect("a number"));
+    let close = |one: f64, other: f64| (one - other).abs() < 1e-5 * other.abs();
+    assert!(close(noise, summary["noise"].as_f64().expect("a number")), "{noise}: {summary}");
+    assert!((noise - 8e-4).abs() < 1e-4, "the noise that the sky was made with: {noise}");
+    assert!(close(
+        number(told("sky").split(',').next().expect("a number")),
+        summary["background"].as_f64().expect("a number")
+    ));
+    assert!(told("threshold").starts_with("2 times the noise, "), "{said}");
+    assert!(close(number(told("threshold").split(' ').nth(4).expect("a number")), 2.0 * noise), "{said}");
+    for (flag, count) in summary["flags"].as_object().expect("counts") {
+        assert!(told("flags").contains(&format!("{count} {flag}")), "{flag}: {said}");
+    }
+    let table = fs::read_to_string(folder.file("default/catalog.csv")).expect("a catalogue");
+    let flags =
+        table.lines().skip(1).map(|line| line.rsplit(',').next().expect("flags").parse::<u32>().expect("a number"));
+    let truncated = flags.filter(|flags| flags & 1 != 0).count();
+    assert!(truncated > 0 && summary["flags"]["truncated"] == truncated, "{summary}");
     assert_eq!(skyfront(["segment", &image, "--out", "x", "-v", "-q"]).status.code(), Some(2));
+}
+
+#[test]
+fn manual_pages_of_all_commands_are_written_with_their_examples() {
+    let folder = Folder::new("man");
+    let pages = folder.file("man1");
+    for _ in 0..2 {
+        let output = skyfront(["man", "--out", &pages]);
+        assert!(output.status.success() && output.stdout.is_empty(), "{}", messages(&output));
+    }
+    let names = folder.names("man1");
+    assert_eq!(names.len(), 13, "{names:?}");
+    for (page, words) in
+        [("skyfront.1", "a first look"), ("skyfront-segment.1", "NUMBER,X_IMAGE"), ("skyfront-man.1", "man1")]
+    {
+        let text = fs::read_to_string(folder.path().join("man1").join(page)).expect("a page");
+        assert!(text.contains(words), "{page}: {words}");
+    }
+}
+
+#[test]
+fn the_overlay_has_the_scale_that_is_wanted() {
+    let folder = Folder::new("overlay");
+    let image = folder.file("sky.fits");
+    sky(&image, 3);
+    for (scale, side) in [(None, 8 * SIDE), (Some("3"), 3 * SIDE), (Some("1/4"), SIDE / 4)] {
+        let line = ["segment", &image, "--quiet", "--overwrite", "--out", &folder.file("out")];
+        let more = scale.map(|scale| ["--overlay-scale", scale]).into_iter().flatten();
+        let output = skyfront(line.into_iter().chain(more));
+        assert!(output.status.success(), "{}", messages(&output));
+        let file = fs::File::open(folder.file("out/overlay.png")).expect("a picture");
+        let picture = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
+        assert_eq!(picture.info().size(), (side as u32, side as u32), "{scale:?}");
+    }
+    for odd in ["0", "2/3", "1/100"] {
+        assert_eq!(skyfront(["segment", &image, "--out", "x", "--overlay-scale", odd]).status.code(), Some(2), "{odd}");
+    }
+}
+
+#[test]
+fn an_image_is_not_scored_as_a_map() {
+    let folder = Folder::new("no-map");
+    let made = skyfront(["simulate", "--side", "40", "--out", &folder.file("sky")]);
+    assert!(made.status.success(), "{}", messages(&made));
+    let [sky, truth] = ["sky", "truth"].map(|name| folder.file(&format!("sky/{name}.fits")));
+    let score = |truth: &str, map: &str| skyfront(["score", truth, map, "--image", &sky]);
+    for refused in [score(&truth, &sky), score(&sky, &truth)] {
+        assert_eq!((refused.status.code(), refused.stdout.len()), (Some(1), 0));
+        assert!(messages(&refused).contains("sky.fits is no label map: pixel (1, 1) is "), "{}", messages(&refused));
+    }
+    let text = stdout(&score(&truth, &truth));
+    assert_eq!(text.lines().count(), 1);
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&text).expect("JSON")["f_score"], 1.0);
 }

@@ -10,6 +10,7 @@ mod convergence;
 mod crosscheck;
 mod detection;
 mod detectors;
+mod documents;
 mod facts;
 mod facts_image;
 mod faults;

@@ -234,6 +234,40 @@ fn sources_found_in_one_image_are_measured_in_another() {
     assert_eq!(table.text("SFMEAS"), Some(other));
 }
 
+/// One set of columns for each image, and the first with the plain names.
+#[test]
+fn many_images_are_measured_in_one_run() {
+    let folder = with_sky("bands");
+    let [half, twice] = [("half.fits", 0.5f32), ("twice.fits", 2.0)].map(|(name, scale)| {
+        let path = folder.file(name);
+        write(&path, &[Entry::new("BUNIT", name, "")], SIDE, |x, y| sky(0.5)(x, y) * scale);
+        path
+    });
+    let of = |run: &str, options: &[&str]| segment(&folder, run, options);
+    of("half", &["--measure", &half, "--measure-background", "50"]);
+    of("twice", &["--measure", &twice, "--measure-background", "200"]);
+    let backgrounds = ["--measure-background", "50", "--measure-background", "200"];
+    of("both", &[&["--measure", &half, "--measure", &twice], &backgrounds[..]].concat());
+    let bits = |run: &str, name: &str| column(&folder, run, name).iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
+    for name in ["x", "flux", "flux_kron_err", "peak", "background", "flags"] {
+        assert_eq!(bits("both", name), bits("half", name), "{name}");
+        assert_eq!(bits("both", &format!("m2_{name}")), bits("twice", name), "{name}");
+    }
+    let csv = std::fs::read_to_string(folder.file("both/catalog.csv")).expect("a catalogue");
+    assert!(!csv.contains("m2_area") && !csv.contains("m3_"), "{csv}");
+    let header = image(folder.file("both/segmentation.fits").as_ref(), None).expect("a map").header;
+    let text = |keyword: &str| header.text(keyword);
+    assert_eq!(
+        (text("SFMEAS"), text("SFMEAS2"), text("SFMBGM2").as_deref()),
+        (Some(half.clone()), Some(twice.clone()), Some("200"))
+    );
+    let summary = std::fs::read_to_string(folder.file("both/summary.json")).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    assert_eq!(summary["input"]["beside"]["measure_2"]["file"], twice);
+    let (message, code) = refused(&folder, &["--measure", &half, "--measure", &twice, "--measure-background", "5"]);
+    assert!(code == Some(2) && message.contains("once for each --measure"), "{message}");
+}
+
 #[test]
 fn a_front_starts_from_a_map_and_its_own_result_is_at_rest() {
     let folder = with_sky("start");

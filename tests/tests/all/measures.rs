@@ -174,10 +174,39 @@ fn the_sky_beside_a_source_is_its_own() {
     assert!(measured(&lifted, &labels, side, &known(0.0, 1.0))[0].local.background.is_nan(), "not wanted");
 }
 
+/// An exponential disc: its annulus has 0.2 of the mean light within where integrals
+/// of r exp(-r) say so.
+#[test]
+fn a_disc_has_the_petrosian_radius_of_its_profile() {
+    let (side, scale) = (161, 5.0);
+    let place = |at: usize| ((at % side) as f64 - 80.2, (at / side) as f64 - 79.7);
+    let pixels: Vec<f32> = (0..side * side)
+        .map(|at| {
+            let (x, y) = place(at);
+            (1000.0 * (-x.hypot(y / 0.6) / scale).exp()) as f32
+        })
+        .collect();
+    let labels: Vec<u32> = pixels.iter().map(|&pixel| u32::from(pixel > 20.0)).collect();
+    let wanted = Wanted { petrosian: true, ..Wanted::NOTHING };
+    let source = &measured(&pixels, &labels, side, &Extras { wanted, ..known(0.0, 1.0) })[0];
+    // Light within r, in units of all, and the mean light of annulus and disc by it.
+    let within = |r: f64| 1.0 - (1.0 + r) * (-r).exp();
+    let ratio = |r: f64| (within(1.25 * r) - within(0.8 * r)) / (1.25f64.powi(2) - 0.8f64.powi(2)) / within(r);
+    let radius = (0..100_000).map(|n| f64::from(n) * 1e-4 + 0.1).find(|&r| ratio(r) < 0.2).expect("a radius");
+    assert!((source.petrosian.radius / (scale * radius) - 1.0).abs() < 0.01, "{:?} {radius}", source.petrosian);
+    let light = 1000.0 * 2.0 * std::f64::consts::PI * scale * scale * 0.6;
+    assert!(
+        (source.petrosian.flux.value / (light * within(2.0 * radius)) - 1.0).abs() < 0.01,
+        "{:?}",
+        source.petrosian
+    );
+    assert!(measured(&pixels, &labels, side, &known(0.0, 1.0))[0].petrosian.radius.is_nan(), "not wanted");
+}
+
 #[test]
 fn what_is_not_wanted_is_not_measured() {
     let (pixels, labels, side) = pair(12.0);
-    let wanted = Wanted { kron: false, windowed: false, local: false };
+    let wanted = Wanted::NOTHING;
     let source = &measured(&pixels, &labels, side, &Extras { wanted, ..known(0.0, 1.0) })[0];
     assert!(source.kron.value.is_nan() && source.half_light.is_nan() && source.flux.value > 0.0);
 }
@@ -194,7 +223,7 @@ fn lines(side: usize, slope: usize) -> (Vec<f32>, Vec<u32>) {
 fn threads_change_no_bit() {
     let (pixels, labels) = lines(300, 1);
     let of = |threads: usize| {
-        let wanted = Wanted { windowed: true, local: true, ..Wanted::default() };
+        let wanted = Wanted { windowed: true, local: true, petrosian: true, ..Wanted::default() };
         let extras = Extras { threads, wanted, apertures: vec![4.0], ..known(0.0, 1.0) };
         format!("{:?}", measured(&pixels, &labels, 300, &extras))
     };
@@ -216,12 +245,13 @@ fn rings(side: usize) -> (Vec<f32>, Vec<u32>) {
 #[test]
 fn the_apertures_of_all_sources_are_a_bounded_part_of_the_image() {
     const MOST: f64 = 64.0;
-    let frames: [(&str, fn(usize) -> (Vec<f32>, Vec<u32>)); 3] =
-        [("rings", rings), ("lines", |side| lines(side, 0)), ("lines aslant", |side| lines(side, 1))];
-    for (name, frame) in frames {
+    for name in ["rings", "lines", "lines aslant"] {
         let mut cut = 0;
         for side in [256, 512, 1024] {
-            let (pixels, labels) = frame(side);
+            let (pixels, labels) = match name {
+                "rings" => rings(side),
+                _ => lines(side, usize::from(name == "lines aslant")),
+            };
             let sources = measured(&pixels, &labels, side, &known(0.0, 1.0));
             for one in &sources {
                 let (a, b) = one.shape.wide_axes();

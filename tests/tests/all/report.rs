@@ -201,7 +201,7 @@ fn must_serve(found: &serde_json::Value) {
     assert_eq!(found["filtered"][1].as_u64(), Some(passed), "outlines are filtered too, but for the chosen one");
     assert_eq!(found["unfiltered"], format!("{n} sources"));
     let sentence = found["parameters"][0].as_str().expect("a sentence");
-    assert!(sentence.contains("pixel") && found["parameters"][1] == true, "{found}");
+    assert!(sentence.ends_with("Smallest area of a source.") && found["parameters"][1] == true, "{found}");
 }
 
 /// The read-out at a source's centre: its place, and a value near that of its peak.

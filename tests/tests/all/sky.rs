@@ -89,6 +89,11 @@ CROTA2  = 33.0
 LONPOLE = 150.0
 EQUINOX = 1950.0";
 
+const TNX: &str = "CTYPE1  = 'RA---TNX'
+CTYPE2  = 'DEC--TNX'
+CD1_1   = -1E-4
+CD2_2   = 1E-4";
+
 fn header(text: &str) -> Header {
     Header::new(text.lines().map(Card::new).collect())
 }
@@ -140,7 +145,13 @@ fn what_is_not_supported_is_refused_by_name() {
     let cases = [
         (SIP.replace("TAN-SIP", "TAN"), "without -SIP"),
         (SIP.replace("A_ORDER = 3", "A_ORDER = 12"), "A_ORDER"),
-        (SIP.replace("TAN-SIP", "TNX"), "TNX"),
+        (SIP.replace("TAN-SIP", "TNX"), "without -SIP"),
+        (SIP.replace("TAN-SIP", "TNX-SIP"), "together"),
+        (SWAPPED.replace("TAN", "TNX"), "latitude as the first axis"),
+        (format!("{TNX}\nWAT1_001= 'lngcor = \"3 2 2 1 -1 1 -1 1 0 0 0\"'"), "lngcor of WAT1: 3 coefficients"),
+        (TNX.replace("TNX", "ZPX") + "\nWAT2_001= 'projp3=much'", "projp3 = much of WAT2"),
+        (format!("{TNX}\nAMDX1   = 67.2\nAMDY1   = 67.2"), "a plate solution without XPIXELSZ"),
+        (format!("{TNX}\nAMDX1   = 67.2\nAMDY1   = 67.2\nXPIXELSZ= 0"), "XPIXELSZ = 0"),
         (format!("{SIP}\nCPDIS1  = 'Lookup'"), "CPDIS1"),
         (format!("{SIP}\nD2IMDIS1= 'Lookup'"), "D2IMDIS1"),
         (TPV.replace("TPV", "STG"), "PV2_"),
@@ -157,7 +168,7 @@ fn what_is_not_supported_is_refused_by_name() {
         (format!("{SIP}\nCD2_1   =-1E-4"), "CD2_1   =-1E-4"),
         (SIN.replace("CRVAL1", "crval1"), "crval1"),
         (SIP.replace("A_1_1   = 3.0E-5", "A_1_1   = 'much'"), "A_1_1"),
-        (format!("{SWAPPED}\nCD1_1   = 1.0"), "together"),
+        (format!("{SWAPPED}\nCD1_1   = 1.0"), "that differ"),
         (SIN.replace("CDELT2  = 0.002", "CDELT2  = 0.0"), "inverse"),
     ];
     for (text, word) in cases {

@@ -156,6 +156,22 @@ fn companions_opposite_each_other_are_sources() {
     assert_eq!(found, [3 * PLACES.len() as u32; 2], "f32, q24");
 }
 
+/// With the whole limits of peak and light half as many are found. On a faint wide disc noise reaches half
+/// of them as often as it likes, but does not stand out.
+#[test]
+fn faint_stars_count_where_they_stand_out() {
+    let mut found = [0, 0];
+    for seed in 20..26 {
+        let pixels = stars(seed, |dx, dy| 2.6 * moffat(dx, dy, 3.0));
+        found[0] += run::<f32>(&pixels).outcome.sources;
+        found[1] += run::<Fixed14>(&pixels).outcome.sources;
+    }
+    assert!(found.iter().all(|&found| found >= 46), "{found:?}");
+    let disc = |dx: f32, dy: f32| 0.9 * (-0.5 * (dx * dx + dy * dy) / 100.0).exp();
+    let found: u32 = (30..36).map(|seed| run::<f32>(&stars(seed, disc)).outcome.sources).sum();
+    assert!(found < 20, "{found} sources on {} discs", 6 * PLACES.len());
+}
+
 /// Stars that hardly light two by two pixels, and hot pixels between them.
 #[test]
 fn the_sharpest_stars_are_found_among_hot_pixels() {

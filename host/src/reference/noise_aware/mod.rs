@@ -176,7 +176,7 @@ pub fn run(
         drop_undefined(&mut regions.labels, &defined);
         let matched = matched(&signal);
         let cut = cut(&signal, &matched, &masked, facts.cut_off, &regions, settings, judge);
-        let (labels, sources) = select(&signal, &matched, &regions, cut.least, settings, judge);
+        let (labels, sources) = select(&signal, &matched, &regions, cut, settings, judge);
         return Ok(Found { facts, mesh, signal, smooth, masked, photon, front, cut, labels, sources });
     }
     Err(ReferenceError::NoSky)

@@ -4,12 +4,16 @@ use super::smooth::{Tail, sharpened, smoothed};
 use super::{Judge, Plane, Regions, Settings};
 
 /// The cut on significance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cut {
     /// The height in noise units of the matched image.
     pub significance: f64,
     /// The same in noise units of a pixel, or `--min-peak` times the threshold where that is more.
     pub least: f64,
+    /// The same, or half of that, for what stands out in the narrow image.
+    pub lenient: f64,
+    /// The peak from which on a source stands out there.
+    pub narrow: f64,
 }
 
 /// The matched image.
@@ -17,34 +21,44 @@ pub fn matched(signal: &Plane) -> Plane {
     sharpened(&smoothed(signal, 1.7), 2.5, 0.6)
 }
 
-/// What a source is asked about: its pixels, its peak in the matched image, and its light.
+/// The narrow image.
+fn narrow(signal: &Plane) -> Plane {
+    sharpened(&smoothed(signal, 1.7), 3.4, 3.0)
+}
+
+/// What a source is asked about: its pixels, its peaks in the matched and in the narrow image, and its light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Sums {
     area: usize,
     peak: f64,
+    narrow: f64,
     light: f64,
 }
 
 fn sums(signal: &Plane, matched: &Plane, regions: &Regions) -> Vec<Sums> {
     let mut sums = vec![Sums::default(); regions.table.len()];
+    let narrow = narrow(signal);
     for (at, &label) in regions.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
         let sum = &mut sums[label as usize - 1];
         sum.area += 1;
         sum.peak = sum.peak.max(matched.values()[at]);
+        sum.narrow = sum.narrow.max(narrow.values()[at]);
         sum.light += signal.values()[at];
     }
     sums
 }
 
 /// Whether each region is a source at a cut.
-fn sources(sums: &[Sums], regions: &Regions, least: f64, settings: &Settings, judge: &Judge) -> Vec<bool> {
+fn sources(sums: &[Sums], regions: &Regions, cut: Cut, settings: &Settings, judge: &Judge) -> Vec<bool> {
     let is_source = |(sum, region): (&Sums, &super::Region)| {
         if !settings.by_significance {
             return sum.area >= settings.min_area.max(1);
         }
         let part = settings.min_area + 2 * settings.min_area / 3;
         let area = if region.divided.is_some() { part } else { settings.min_area };
-        sum.area >= area && !judge.exceeds(least, sum.peak) && !judge.exceeds(settings.light, sum.light)
+        let stands_out = region.divided.is_none() && !judge.exceeds(cut.narrow, sum.narrow);
+        let (least, part) = if stands_out { (cut.lenient, 0.5) } else { (cut.least, 1.0) };
+        sum.area >= area && !judge.exceeds(least, sum.peak) && !judge.exceeds(part * settings.light, sum.light)
     };
     sums.iter().zip(&regions.table).map(is_source).collect()
 }
@@ -84,13 +98,15 @@ pub fn cut(
     let sums = sums(signal, matched, regions);
     // Of a significance that is not asked for.
     if !settings.by_significance {
-        return Cut { significance: 0.0, least: 0.0 };
+        return Cut::default();
     }
-    let (mut allowed, mut cut) = (settings.false_sources, Cut { significance: 0.0, least: 0.0 });
+    let narrow_noise = Tail::of(narrow(signal).values(), masked, cut_off).noise;
+    let (mut allowed, mut cut) = (settings.false_sources, Cut::default());
     for _ in 0..4 {
         let significance = tail.raised(height(elements, allowed));
-        cut = Cut { significance, least: (significance * tail.noise).max(settings.peak * settings.threshold) };
-        let kept = sources(&sums, regions, cut.least, settings, judge).iter().filter(|&&kept| kept).count();
+        let least = |part: f64| (significance * tail.noise).max(part * settings.peak * settings.threshold);
+        cut = Cut { significance, least: least(1.0), lenient: least(0.5), narrow: 1.2 * significance * narrow_noise };
+        let kept = sources(&sums, regions, cut, settings, judge).iter().filter(|&&kept| kept).count();
         allowed = allowed.max(settings.false_share * kept as f64);
     }
     cut
@@ -101,11 +117,11 @@ pub fn select(
     signal: &Plane,
     matched: &Plane,
     regions: &Regions,
-    least: f64,
+    cut: Cut,
     settings: &Settings,
     judge: &Judge,
 ) -> (Vec<u32>, u32) {
-    let kept = sources(&sums(signal, matched, regions), regions, least, settings, judge);
+    let kept = sources(&sums(signal, matched, regions), regions, cut, settings, judge);
     let mut numbers = vec![0; kept.len()];
     let mut count = 0;
     let number = |&label: &u32| {

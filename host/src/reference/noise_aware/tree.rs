@@ -157,6 +157,6 @@ fn stands_apart(
         && judge.exceeds(faint.value - saddle, noise.max(0.15 * saddle))
         && {
             let around = neighbours(faint.peak, width, image.height(), 8);
-            around.into_iter().chain([faint.peak]).filter(is_own).count() >= 3
+            around.into_iter().chain([faint.peak]).filter(is_own).count() >= 5
         }
 }

@@ -107,7 +107,7 @@ fn every_setting_is_noticed() {
         (Settings { reopened_area: 200, ..asked }, "deblended"),
         (Settings { sharpening: 0.45, ..asked }, "sharpened"),
         (Settings { connectivity: Touching::Four, ..asked }, "tree"),
-        (Settings { by_significance: false, ..asked }, "labels"),
+        (Settings { by_significance: false, ..asked }, "cut"),
         (Settings { min_area: 12, ..asked }, "labels"),
         (Settings { peak: 4.0, ..asked }, "labels"),
         (Settings { false_sources: 5.0, ..asked }, "cut"),

@@ -95,6 +95,10 @@ pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>,
     let (columns, rows) = view.image();
     let elements = (columns * rows) as f32 * roughness * roughness;
     let mut cut = Cut { significance: 0.0, noise, narrow_noise };
+    // What reaches how far can only be told in the noise of all parts.
+    if view.known.whole.is_some_and(Whole::is_waiting) {
+        return cut;
+    }
     let reaches = view.known.whole.map(|whole| reaches(whole, grid, config, cut, work));
     let mut allowed = config.significance.false_sources;
     for _ in 0..CUTS {

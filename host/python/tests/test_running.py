@@ -44,6 +44,8 @@ def test_many_at_once(sky):
 INTERRUPTED = """
 import signal, sys, threading, time
 import skyfront
+# A process in the background may have been started with the signal ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 image, _ = skyfront.simulate("noisy", shape=(1500, 1500))
 began = time.time()
 threading.Timer(0.3, lambda: signal.raise_signal(signal.SIGINT)).start()

@@ -60,17 +60,17 @@ impl<L: Level> Front<L> {
 
     /// One step of [`Front::outline`].
     pub fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
-        let (width, band) = (grid.width.get(), grid.width.get() * crew.rows(grid));
-        let bands = plane.len().div_ceil(band.max(1));
+        let (width, band) = (grid.width.get(), (grid.width.get() * crew.rows(grid)).max(1));
+        let (bands, ring) = (plane.len().div_ceil(band), (2 * width).max(1));
         // The first and the last row of every band, for its neighbours, who see the old ones.
         let borders = if bands > 1 { 2 * width * bands } else { 0 };
         let Some((borders, rings)) = rows.split_at_mut_checked(borders) else { return };
-        for (borders, band) in borders.chunks_exact_mut(2 * width).zip(plane.chunks(band)) {
+        for (borders, band) in borders.chunks_exact_mut(ring).zip(plane.chunks(band)) {
             let ends = band.get(..width).into_iter().chain(band.get(band.len().saturating_sub(width)..)).flatten();
             borders.iter_mut().zip(ends).for_each(|(border, &u)| *border = u);
         }
         let border = |row: Option<usize>| row.map_or(&[][..], |row| row_of(borders, width, row));
-        let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings.chunks_mut(2 * width)).enumerate();
+        let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings.chunks_mut(ring)).enumerate();
         crew.each(bands, |(index, ((plane, signal), ring))| {
             let beside = [border((2 * index).checked_sub(1)), border(Some(2 * index + 2))];
             self.band(signal, plane, ring, beside, width);
@@ -83,7 +83,7 @@ impl<L: Level> Front<L> {
         let ([before, after], mut own) = (beside, rest.get_mut(..width).unwrap_or(&mut []));
         below.iter_mut().zip(before).for_each(|(below, &u)| *below = u);
         let mut left = plane;
-        for (y, signal) in signal.chunks_exact(width).enumerate() {
+        for (y, signal) in signal.chunks_exact(width.max(1)).enumerate() {
             let Some((out, above)) = left.split_at_mut_checked(width) else { return };
             own.iter_mut().zip(out.iter()).for_each(|(own, &u)| *own = u);
             // Beyond the frame u is what it is at its border.

@@ -7,6 +7,7 @@
 use crate::arithmetic::Level;
 use crate::plane::sort::{Keys, SAMPLES};
 use core::fmt::Debug;
+use core::num::NonZero;
 use core::ops::Range;
 
 /// What depends on all of an image, in the order of a run.
@@ -101,11 +102,11 @@ impl Part {
     /// Of these every `stride`th of the image.
     pub fn sample(&self, width: usize, stride: usize) -> impl Iterator<Item = usize> + use<> {
         let (columns, (left, bottom), across) = (self.columns.clone(), self.origin, self.image.0);
-        let stride = stride.max(1);
+        let stride = NonZero::new(stride).unwrap_or(NonZero::<usize>::MIN);
         self.rows.clone().flat_map(move |y| {
             let first = (bottom + y) * across + left + columns.start;
-            let before = (stride - first % stride) % stride;
-            (columns.start + before..columns.end).step_by(stride).map(move |x| y * width + x)
+            let before = (stride.get() - first % stride) % stride;
+            (columns.start + before..columns.end).step_by(stride.get()).map(move |x| y * width + x)
         })
     }
 

@@ -58,7 +58,7 @@ impl Weights {
 
     /// Smooths all rows, band by band.
     fn along_rows<L: Level>(&self, from: &[L], to: &mut [L], grid: Grid, crew: &impl Crew) {
-        let band = grid.width.get() * crew.rows(grid);
+        let band = (grid.width.get() * crew.rows(grid)).max(1);
         crew.each(from.chunks(band).zip(to.chunks_mut(band)), |(from, to)| self.rows(from, to, grid.width.get()));
     }
 
@@ -71,8 +71,8 @@ impl Weights {
         crew: &impl Crew,
         work: impl Fn(&[L], usize, &mut [L]) + Sync,
     ) {
-        let rows = crew.rows(grid);
-        let bands = (0..).step_by(rows).zip(to.chunks_mut(grid.width.get() * rows));
+        let rows = crew.rows(grid).max(1);
+        let bands = (0..).step_by(rows).zip(to.chunks_mut((grid.width.get() * rows).max(1)));
         crew.each(bands, |(first, to)| work(from, first, to));
     }
 
@@ -84,6 +84,7 @@ impl Weights {
     fn rows<L: Level>(&self, from: &[L], to: &mut [L], width: usize) {
         let [centre, ..] = self.weights;
         let centre = L::Weight::of(centre);
+        let width = width.max(1);
         for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
             out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
             for (distance, weight) in self.sides() {

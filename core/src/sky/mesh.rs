@@ -161,8 +161,9 @@ impl<'m> Mesh<'m> {
         mut keys: Keys<'_>,
     ) -> Option<Survey> {
         let (part, size, grid) = (whole.part(), self.size, self.grid);
+        let columns = NonZero::new(size.0)?;
         let local = |at: usize| {
-            let (x, y) = ((at % size.0).checked_sub(part.origin.0)?, (at / size.0).checked_sub(part.origin.1)?);
+            let (x, y) = ((at % columns).checked_sub(part.origin.0)?, (at / columns).checked_sub(part.origin.1)?);
             (x < width).then_some(y * width + x)
         };
         let places = |index: usize| cell_of(size, grid, index).filter_map(local);

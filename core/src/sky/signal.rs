@@ -75,8 +75,9 @@ pub fn measure<L: Level>(
     }
     // A part may have no pixel, where the image has.
     let noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
-    let (rows, mut seen_in) = (crew.rows(grid), [noise_seen; MOST_BANDS]);
-    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(width * rows)).zip(&mut seen_in);
+    let (rows, mut seen_in) = (crew.rows(grid).max(1), [noise_seen; MOST_BANDS]);
+    let band = (width * rows).max(1);
+    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(band)).zip(&mut seen_in);
     crew.each(bands, |((first, band), noise_seen)| {
         for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
             *noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
@@ -85,7 +86,7 @@ pub fn measure<L: Level>(
     bridge(view, work.scratch);
     let signal = &*work.scratch;
     let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(signal, width, y));
-    crew.each((0..).step_by(rows).zip(work.signal.chunks_mut(width * rows)), |(first, band): (usize, _)| {
+    crew.each((0..).step_by(rows).zip(work.signal.chunks_mut(band)), |(first, band): (usize, _)| {
         for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
             clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
         }

@@ -12,7 +12,7 @@ use crate::plane::sort;
 use crate::sources::centre::centre_on_light;
 use crate::sources::deblend::{Reopening, compete, reopen, straighten};
 use crate::sources::pieces::{connect, relabel};
-use crate::sources::tree::{Count, NONE, Noise, Region, grow, root};
+use crate::sources::tree::{Count, LISTED, NONE, Noise, Region, grow, root};
 use crate::sources::typical::Typical;
 
 /// Scale of the sharpening before the tree, pixels.
@@ -86,10 +86,8 @@ pub fn tree<L: Level>(
     count
 }
 
-/// A pixel inside the outlines that has no label yet.
+/// A pixel inside the outlines that is not listed yet.
 const INSIDE: u32 = u32::MAX;
-/// The same once it is listed.
-const LISTED: u32 = INSIDE - 1;
 
 fn set(plane: &mut [u32], at: u32, to: u32) {
     if let Some(cell) = plane.get_mut(at as usize) {

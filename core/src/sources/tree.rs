@@ -118,8 +118,12 @@ pub fn root(parents: &mut [u32], mut at: u32) -> u32 {
     at
 }
 
+/// In place of an id: a pixel inside the outlines, listed, and not a root.
+pub const LISTED: u32 = u32::MAX - 1;
+
 /// Grows the regions of `order`, the pixels in use from the brightest down. `parents` holds
-/// [`NONE`] everywhere; `ids` gets the region of each root; `photon` is the photon noise. Gives the
+/// [`NONE`] everywhere, `ids` [`LISTED`] at these pixels; that of each root becomes its region; `photon` is the
+/// photon noise. Gives the
 /// number of regions, and of peaks for which none was free: they stay out.
 pub fn grow<L: Level>(
     field: Field<'_, L>,
@@ -170,7 +174,13 @@ pub fn grow<L: Level>(
         for &other in others {
             let (host_id, other_id) = (id(ids, host), id(ids, other));
             let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
-            let foreign = |at: usize| is_foreign(parents, at, host);
+            // What is brighter is in the tree, or will be: the components are gone through one after another.
+            let key = |at: usize| (!field.at(at).key(), at);
+            let foreign = |near: usize| match parents.get(near) {
+                Some(&NONE) => ids.get(near) == Some(&LISTED) && key(near) < key(at),
+                Some(_) => root(parents, near as u32) != host,
+                None => false,
+            };
             if stands_apart((&config.deblending, photon), field, [&bright, &faint], value, foreign) {
                 for (id, other) in [(host_id, faint.peak), (other_id, bright.peak)] {
                     if let Some(region) = regions.get_mut(id) {
@@ -238,11 +248,6 @@ fn stands_apart<L: Level>(
         field.at(at) > light + light
     };
     field.grid.neighbours(peak).chain([peak]).filter(&mut own).count() >= MOST
-}
-
-/// Whether a pixel is of another region than that with the root `host`.
-fn is_foreign(parents: &mut [u32], at: usize, host: u32) -> bool {
-    parents.get(at).is_some_and(|&parent| parent != NONE) && root(parents, at as u32) != host
 }
 
 #[cfg(test)]

@@ -185,3 +185,64 @@ pub fn components<L: Level>(
     }
     count
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::num::NonZero;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    const SIDE: usize = 160;
+
+    /// A field of stars as thick as that of a globular cluster, with gaps between its components.
+    fn crowd() -> Vec<f32> {
+        let mut light = std::vec![0.0; SIDE * SIDE];
+        let mut state = 1u32;
+        let mut draw = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        for _ in 0..420 {
+            let (x, y, peak) = (draw() * SIDE as f32, draw() * SIDE as f32, 3.0 * 200f32.powf(draw()));
+            for (at, value) in light.iter_mut().enumerate() {
+                let (dx, dy) = ((at % SIDE) as f32 - x, (at / SIDE) as f32 - y);
+                *value += peak * (-(dx * dx + dy * dy) / (2.0 * 1.4 * 1.4)).exp();
+            }
+        }
+        light
+    }
+
+    /// Regions of at least three pixels by their peaks.
+    fn grown(light: &[f32], order: &[u32]) -> Vec<(u32, u32)> {
+        let field = Field { values: light, grid: Grid { width: NonZero::new(SIDE).expect("not 0"), height: SIDE } };
+        let (mut parents, mut ids) = (std::vec![NONE; light.len()], std::vec![0; light.len()]);
+        order.iter().for_each(|&at| ids[at as usize] = LISTED);
+        let mut regions = std::vec![Region::<f32>::BLANK; light.len() / 3];
+        let count = grow(field, order, &mut parents, &mut ids, &mut regions, (&Config::NOISE_AWARE, 0.0));
+        let large = regions[..count.regions].iter().filter(|region| region.area >= LEAST_AREA);
+        let mut large: Vec<(u32, u32)> = large.map(|region| (region.peak, region.area)).collect();
+        large.sort_unstable();
+        large
+    }
+
+    #[test]
+    fn the_order_of_components_changes_nothing() {
+        let light = crowd();
+        let grid = Grid { width: NonZero::new(SIDE).expect("not 0"), height: SIDE };
+        for threshold in [1.0, 4.0, 8.0, 16.0] {
+            let front: Vec<f32> = light.iter().map(|value| value - threshold).collect();
+            let [mut labels, mut order, mut spare] = [(); 3].map(|()| std::vec![0; light.len()]);
+            mark_inside(|_| true, &front, &mut labels);
+            let used = by_brightness(Field { values: &light, grid }, &mut labels, &mut order, &mut spare);
+            let by_component = &order[..used];
+            let mut over_all: Vec<u32> = by_component.to_vec();
+            over_all.sort_by_key(|&at| (!light[at as usize].key(), at));
+            assert_ne!(over_all, by_component, "there are several components");
+            let regions = grown(&light, by_component);
+            assert!(regions.len() > 100, "{} regions above {threshold}", regions.len());
+            assert_eq!(regions, grown(&light, &over_all), "above {threshold}");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use crate::background::SkyMaps;
 use crate::evolution::segment_in;
 use crate::nothing::without_front;
+use crate::planes::SignalRoom;
 use crate::remarks;
 use crate::segmentation::{Drive, Segmentation, StagePlanes};
 use crate::workers::Threads;
@@ -14,7 +15,7 @@ use skyfront_core::plane::part::Whole;
 use skyfront_core::plane::rows::used;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::outcome::{Outcome, Progress::Working};
-use skyfront_core::run::workspace::{Workspace, regions};
+use skyfront_core::run::workspace::regions;
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
 use skyfront_core::sources::catalog::Source;
@@ -93,28 +94,12 @@ fn in_room<A: Arithmetic, L: Level>(
 ) -> Result<Segmentation, Error> {
     let count = pixels.len();
     let height = count / width.max(1);
-    let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [(); 6].map(|()| vec![L::ZERO; count]);
-    let [mut parents, mut order, mut labels] = [(); 3].map(|()| vec![0; count]);
     let (image, origin) =
         drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
-    let mut mesh = vec![Sky::UNKNOWN; mesh_cells(image.0, image.1, config.sky.cell())];
-    let mut table = vec![Region::<L>::BLANK; regions];
-    let work = Workspace {
-        signal: &mut signal,
-        fine: &mut fine,
-        smooth: &mut smooth,
-        front: &mut front,
-        masked: &mut masked,
-        scratch: &mut scratch,
-        parents: &mut parents,
-        order: &mut order,
-        labels: &mut labels,
-        mesh: &mut mesh,
-        regions: &mut table,
-    };
+    let mut room = SignalRoom::<L>::new(config, count, image, regions);
     let known =
         Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
-    let mut run = Extractor::new(config, pixels, width, known, work)?;
+    let mut run = Extractor::new(config, pixels, width, known, room.workspace())?;
     let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
     let found = loop {
         let started = Instant::now();
@@ -135,7 +120,8 @@ fn in_room<A: Arithmetic, L: Level>(
             }
         }
     };
-    let [smooth, front, masked] = [smooth, front, masked].map(in_f32);
+    let SignalRoom { levels: [signal, fine, smooth, front, masked, scratch], words, mut mesh, regions } = room;
+    let ([_, _, labels], [smooth, front, masked]) = (words, [smooth, front, masked].map(in_f32));
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
     let mut sky =
         SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, scratch].map(in_f32));
@@ -161,7 +147,7 @@ fn in_room<A: Arithmetic, L: Level>(
     let mark = |of: &mut [bool], label: u32| {
         (label as usize).checked_sub(1).and_then(|index| of.get_mut(index)).into_iter().for_each(|of| *of = true);
     };
-    for region in &table[..found.regions] {
+    for region in &regions[..found.regions] {
         if let Some(other) = region.divided_from(&labels) {
             // The other may remember a part that was dropped.
             mark(&mut blended, region.label);

@@ -3,7 +3,7 @@
 use skyfront_core::arithmetic::{Arithmetic, Bits, Level};
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
-use skyfront_core::run::workspace::{Workspace, regions};
+use skyfront_core::run::workspace::Workspace;
 use skyfront_core::sky::otsu::{BINS, Histogram};
 use skyfront_core::sky::{Sky, mesh_cells};
 use skyfront_core::sources::catalog::Source;
@@ -61,21 +61,24 @@ impl<A: Arithmetic> Room<A> {
 /// The memory of a run on signal-to-noise.
 #[derive(Debug)]
 pub struct SignalRoom<L: Level> {
-    levels: [Vec<L>; 6],
-    words: [Vec<u32>; 3],
-    mesh: Vec<Sky>,
-    regions: Vec<Region<L>>,
+    /// Signal, fine, smooth, front, masked and scratch, as in a [`Workspace`].
+    pub levels: [Vec<L>; 6],
+    /// Parents, order and labels.
+    pub words: [Vec<u32>; 3],
+    /// The mesh.
+    pub mesh: Vec<Sky>,
+    /// The table of regions.
+    pub regions: Vec<Region<L>>,
 }
 
 impl<L: Level> SignalRoom<L> {
-    /// Room for a frame.
-    pub fn new(config: &Config, width: usize, height: usize) -> Self {
-        let count = width * height;
+    /// Room for a frame of `count` pixels with so many regions; `image` has the columns and rows of the mesh's frame.
+    pub fn new(config: &Config, count: usize, (width, height): (usize, usize), regions: usize) -> Self {
         SignalRoom {
             levels: [(); 6].map(|()| plane(count, L::ZERO)),
             words: [(); 3].map(|()| plane(count, 0)),
             mesh: plane(mesh_cells(width, height, config.sky.cell()), Sky::UNKNOWN),
-            regions: plane(regions(width, height), Region::BLANK),
+            regions: plane(regions, Region::BLANK),
         }
     }
 

@@ -23,7 +23,7 @@ use skyfront_core::plane::crew::Alone;
 use skyfront_core::plane::grid::Grid;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::stage::Stage;
-use skyfront_core::run::workspace::Workspace;
+use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use std::collections::HashMap;
 
@@ -38,7 +38,7 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
     pixels: &[f32],
     (width, height): (usize, usize),
 ) -> Result<Vec<Difference>, CheckError> {
-    let mut room = SignalRoom::<L>::new(config, width, height);
+    let mut room = SignalRoom::<L>::new(config, pixels.len(), (width, height), regions(width, height));
     let mut run = Extractor::new(config, pixels, width, Known::default(), room.workspace())?;
     let mut walk = Walk::new::<L>(config, *asked, pixels, width);
     let mut before = Left::of(run.work(), asked.cell, width);

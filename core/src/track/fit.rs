@@ -2,7 +2,7 @@
 
 use super::frame::Pixel;
 use super::solve::{Basis, Equations, Solution};
-use super::window::{Border, View};
+use super::window::{Border, Rectangle, View};
 use super::{BLENDED, Camera, HOT, LEAST_SNR, SATURATED, Star};
 use crate::arithmetic::{Arithmetic, Real};
 
@@ -13,9 +13,9 @@ const SETTLED: f32 = 1.0 / 512.0;
 /// It is lost when the last of all steps is longer, pixels.
 const ASTRAY: f32 = 0.1;
 /// The window ends at so many standard deviations of the PSF.
-const REACH: f32 = 3.5;
-/// Pixels of the window along an axis, at most: twice 3.5 widths of 3 pixels, rounded up, and the middle.
-const MOST: usize = 23;
+const REACH: f32 = 3.0;
+/// Pixels of the window along an axis, at most: twice three widths of 3 pixels and the middle.
+const MOST: usize = 19;
 /// The unit of the sky, so that sums over a window stay small enough for fixed point.
 const SKY: f32 = 0.125;
 /// What a pixel of the median is worth beside one of the mean: 2 / pi.
@@ -87,7 +87,7 @@ fn span(centre: f32, reach: usize, length: usize) -> (usize, usize) {
 
 /// A window on its way to the star's centre.
 pub struct Fit<'a, A: Arithmetic, P> {
-    view: View<'a, P>,
+    view: &'a View<'a, P>,
     camera: &'a Camera,
     psf: Psf<A>,
     /// Counts are taken from here.
@@ -101,8 +101,8 @@ pub struct Fit<'a, A: Arithmetic, P> {
     star: A::Real,
     /// Length of the last step, pixels.
     moved: f32,
-    /// The border outside the star, and which columns and rows that is.
-    border: ([usize; 4], Option<Border>),
+    /// The border outside the star's rectangle, and that rectangle.
+    border: (Rectangle, Option<Border>),
 }
 
 /// How pixels are weighted: `level / (level + (1 - level) m)` for a star's light m in units of its peak.
@@ -121,8 +121,9 @@ struct Step<R> {
 
 impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
     /// Ready for the first step; nothing where no pixel can be used.
-    pub fn of(mut view: View<'a, P>, camera: &'a Camera) -> Option<Self> {
-        let Border { base, rest, .. } = view.sky([1, 0, 1, 0])?;
+    pub fn of(view: &'a mut View<'_, P>, camera: &'a Camera) -> Option<Self> {
+        let whole = view.sky(&Rectangle::NONE)?;
+        let Border { base, rest, .. } = whole;
         let psf = Psf::<A>::of(camera.psf_sigma);
         let noise = A::root(camera.variance(f32::from(base) + rest));
         let level = libm::ceilf(f32::from(base) + SIGNIFICANT * noise);
@@ -139,7 +140,18 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
         let centre = (A::Real::of(x as f32), A::Real::of(y as f32));
         let sky = A::Real::of(rest * unit);
         let star = A::Real::of(f32::from(height) * unit).ratio(middle * middle);
-        let mut fit = Fit { view, camera, psf, base, unit, centre, sky, star, moved: 0.0, border: ([0; 4], None) };
+        let mut fit = Fit {
+            view,
+            camera,
+            psf,
+            base,
+            unit,
+            centre,
+            sky,
+            star,
+            moved: 0.0,
+            border: (Rectangle::NONE, Some(whole)),
+        };
         fit.look_at_border();
         Some(fit)
     }
@@ -153,7 +165,7 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
 
     /// The star's light along both axes.
     fn profiles(&self) -> [Profile<A::Real>; 2] {
-        let [columns, rows] = self.spans();
+        let Rectangle { columns, rows } = self.rectangle(self.psf.reach);
         [self.psf.profile(self.centre.0, columns), self.psf.profile(self.centre.1, rows)]
     }
 
@@ -182,18 +194,20 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
         equations
     }
 
-    /// The columns and rows of the star.
-    fn spans(&self) -> [(usize, usize); 2] {
+    /// The columns and rows up to `reach` pixels from the star.
+    fn rectangle(&self, reach: usize) -> Rectangle {
         let (x, y) = (self.centre.0.to_f32(), self.centre.1.to_f32());
-        [span(x, self.psf.reach, self.view.size.0), span(y, self.psf.reach, self.view.size.1)]
+        let (columns, rows) = self.view.size;
+        Rectangle { columns: span(x, reach, columns), rows: span(y, reach, rows) }
     }
 
     /// Takes the median of the border where the star does not reach, when that is elsewhere than before.
     fn look_at_border(&mut self) {
-        let [(left, right), (below, above)] = self.spans();
-        let inside = [left, right, below, above];
+        // A pixel more: a bright star would raise the sky beside the window yet.
+        let inside = self.rectangle(self.psf.reach.saturating_add(1));
+        let inside = if self.view.at_border(&inside) { inside } else { Rectangle::NONE };
         if self.border.0 != inside {
-            self.border = (inside, self.view.sky(inside));
+            self.border = (inside, self.view.sky(&inside));
         }
     }
 
@@ -271,15 +285,14 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
         let most = A::Real::of(SIGNIFICANT * A::root(weights.variance + photons) * self.unit)
             + self.star * A::Real::of(BESIDE);
         let [columns, rows] = self.profiles();
+        let full = self.camera.full();
         let mut flags = 0;
         for (y, light_y) in (rows.first..).zip(&rows.light).take(rows.pixels) {
             let pixels = self.view.row(y).get(columns.first..).unwrap_or(&[]);
-            let shift = columns.first as u32;
-            let (mut out, mut saturated) =
-                (self.view.out_of(y).wrapping_shr(shift), self.view.saturated(y).wrapping_shr(shift));
+            let mut out = self.view.out_of(y).wrapping_shr(columns.first as u32);
             for (pixel, light_x) in pixels.iter().zip(&columns.light).take(columns.pixels) {
                 let star = *light_x * *light_y;
-                if saturated & 1 != 0 {
+                if u32::from(pixel.count()) >= full {
                     flags |= SATURATED;
                 } else if out & 1 != 0 {
                     flags |= HOT;
@@ -290,7 +303,6 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
                     }
                 }
                 out >>= 1;
-                saturated >>= 1;
             }
         }
         flags

@@ -10,7 +10,7 @@
 //! 10 % of what the covariance says.
 //!
 //! Work per window: the border 16 times (8 for a byte per pixel), the window three times, and at most
-//! [`STEPS`] times the pixels within 3.5 widths of the star. Memory: less than two kilobytes of stack.
+//! [`STEPS`] times the pixels within three widths of the star. Memory: less than two kilobytes of stack.
 
 mod fit;
 mod frame;
@@ -83,9 +83,12 @@ pub struct Star {
 const _: () = assert!(size_of::<Star>() == 32, "a record of the size that is promised");
 
 impl Star {
+    /// Nothing yet: for the caller's memory.
+    pub const EMPTY: Star = Star { x: 0.0, y: 0.0, flux: 0.0, snr: 0.0, errx2: 0.0, erry2: 0.0, errxy: 0.0, flags: 0 };
+
     fn lost(window: &Window, flags: u32) -> Star {
         let errors = f32::INFINITY;
-        Star { x: window.x, y: window.y, errx2: errors, erry2: errors, flags: flags | LOST, ..Star::default() }
+        Star { x: window.x, y: window.y, errx2: errors, erry2: errors, flags: flags | LOST, ..Star::EMPTY }
     }
 }
 
@@ -106,6 +109,11 @@ impl Camera {
         within("read noise", self.read_noise, (0.0, 1e6))?;
         within("saturation", self.saturation, counts)?;
         within("PSF sigma", self.psf_sigma, (0.5, 3.0))
+    }
+
+    /// The least count that is saturated.
+    fn full(&self) -> u32 {
+        libm::ceilf(self.saturation) as u32
     }
 
     /// Variance of a pixel on a sky level in counts: read-out, photons, and the rounding to whole counts.
@@ -142,8 +150,8 @@ pub fn track<A: Arithmetic, P: Pixel>(
 }
 
 fn one<A: Arithmetic, P: Pixel>(frame: &Raster<'_, P>, window: &Window, camera: &Camera, bad: &[BadPixel]) -> Star {
-    let Some(view) = View::new(frame, window, camera, bad) else { return Star::lost(window, EDGE) };
+    let Some(mut view) = View::new(frame, window, camera, bad) else { return Star::lost(window, EDGE) };
     let flags = view.cut();
-    let fitted = Fit::<A, P>::of(view, camera).and_then(Fit::star);
+    let fitted = Fit::<A, P>::of(&mut view, camera).and_then(Fit::star);
     fitted.map_or(Star::lost(window, flags), |star| Star { flags: star.flags | flags, ..star })
 }

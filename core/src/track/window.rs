@@ -40,6 +40,9 @@ impl Window {
     }
 }
 
+/// Pixels of the border of the greatest window.
+const BORDER: usize = 4 * (SIDES.1 as usize - 1);
+
 /// A level with the number of pixels that told it.
 #[derive(Clone, Copy, Debug)]
 pub struct Border {
@@ -62,8 +65,6 @@ pub struct View<'a, P> {
     whole: bool,
     /// One bit for each pixel that is not to be used, a word for each row.
     left_out: [u64; SIDES.1 as usize],
-    /// The same for those among them that are saturated.
-    saturated: [u64; SIDES.1 as usize],
 }
 
 /// The columns or rows of a window along an axis of the frame.
@@ -79,6 +80,40 @@ fn bit(x: usize) -> u64 {
     1u64.wrapping_shl(x as u32)
 }
 
+/// The light of the brightest 3 x 3 pixels of three rows and their middle column; `value` takes a pixel, its
+/// column, and which of the rows it is in.
+#[inline(always)]
+fn brightest_of<P: Pixel>([below, row, above]: [&[P]; 3], value: impl Fn(&P, usize, usize) -> u32) -> (u32, usize) {
+    let (mut most, mut place, mut last) = (0, 1, (0u32, 0u32));
+    for (x, ((below, pixel), above)) in below.iter().zip(row).zip(above).enumerate() {
+        let column = value(below, x, 0).wrapping_add(value(pixel, x, 1)).wrapping_add(value(above, x, 2));
+        let light = last.0.wrapping_add(last.1).wrapping_add(column);
+        if light > most && x >= 2 {
+            (most, place) = (light, x.wrapping_sub(1));
+        }
+        last = (last.1, column);
+    }
+    (most, place)
+}
+
+/// Columns and rows of a view, the last ones included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rectangle {
+    /// First and last column.
+    pub columns: (usize, usize),
+    /// First and last row.
+    pub rows: (usize, usize),
+}
+
+impl Rectangle {
+    /// No pixel.
+    pub const NONE: Rectangle = Rectangle { columns: (1, 0), rows: (1, 0) };
+
+    fn has(&self, x: usize, y: usize) -> bool {
+        x >= self.columns.0 && x <= self.columns.1 && y >= self.rows.0 && y <= self.rows.1
+    }
+}
+
 impl<'a, P: Pixel> View<'a, P> {
     /// The window; nothing where fewer than three columns or rows of it are in the frame.
     pub fn new(frame: &Raster<'a, P>, window: &Window, camera: &Camera, bad: &[BadPixel]) -> Option<View<'a, P>> {
@@ -89,10 +124,9 @@ impl<'a, P: Pixel> View<'a, P> {
         }
         let none = [0; SIDES.1 as usize];
         let whole = columns == usize::from(window.width) && rows == usize::from(window.height);
-        let mut view =
-            View { frame: *frame, origin: (x, y), size: (columns, rows), whole, left_out: none, saturated: none };
+        let mut view = View { frame: *frame, origin: (x, y), size: (columns, rows), whole, left_out: none };
         view.leave_out(bad);
-        view.find_saturated(camera);
+        view.leave_out_from(camera.full());
         Some(view)
     }
 
@@ -111,17 +145,15 @@ impl<'a, P: Pixel> View<'a, P> {
         }
     }
 
-    fn find_saturated(&mut self, camera: &Camera) {
-        let mut saturated = self.saturated;
-        for (y, word) in saturated.iter_mut().enumerate().take(self.size.1) {
+    /// Leaves out what has this value or more.
+    fn leave_out_from(&mut self, full: u32) {
+        for y in 0..self.size.1 {
             for (x, pixel) in self.row(y).iter().enumerate() {
-                if f32::from(pixel.count()) >= camera.saturation {
-                    *word |= bit(x);
+                if u32::from(pixel.count()) >= full {
+                    self.mark(x, y);
                 }
             }
         }
-        self.left_out.iter_mut().zip(&saturated).for_each(|(out, new)| *out |= new);
-        self.saturated = saturated;
     }
 
     /// Leaves a pixel out.
@@ -144,57 +176,58 @@ impl<'a, P: Pixel> View<'a, P> {
         self.left_out.get(y).copied().unwrap_or(u64::MAX)
     }
 
-    /// Which pixels of a row are saturated.
-    pub fn saturated(&self, y: usize) -> u64 {
-        self.saturated.get(y).copied().unwrap_or(0)
-    }
-
     /// The value of a pixel that is to be used.
     fn at(&self, x: usize, y: usize) -> Option<u16> {
         if self.out_of(y) & bit(x) == 0 { self.row(y).get(x).map(|pixel| pixel.count()) } else { None }
     }
 
-    /// Gives `each` the pixels of the border that are to be used and lie outside the rectangle.
-    fn border(&self, [left, right, below, above]: [usize; 4], mut each: impl FnMut(u16)) {
+    /// The pixels of the border that are to be used and lie outside the rectangle, and how many they are.
+    fn border(&self, inside: &Rectangle) -> ([u16; BORDER], usize) {
         let (columns, rows) = self.size;
         let (last_x, last_y) = (columns.saturating_sub(1), rows.saturating_sub(1));
+        let (mut values, mut count) = ([0; BORDER], 0usize);
         for y in 0..rows {
             let step = if y == 0 || y == last_y { 1 } else { last_x.max(1) };
             for x in (0..columns).step_by(step) {
-                let inside = x >= left && x <= right && y >= below && y <= above;
-                if let (false, Some(value)) = (inside, self.at(x, y)) {
-                    each(value);
+                if !inside.has(x, y)
+                    && let (Some(value), Some(to)) = (self.at(x, y), values.get_mut(count))
+                {
+                    *to = value;
+                    count = count.saturating_add(1);
                 }
             }
         }
+        (values, count)
     }
 
-    /// The median of the border outside a rectangle (first and last column, first and last row), as if
-    /// equal counts were spread evenly over the width of a count.
-    pub fn sky(&self, inside: [usize; 4]) -> Option<Border> {
-        let mut pixels = 0u32;
-        self.border(inside, |_| pixels = pixels.saturating_add(1));
-        if pixels == 0 {
-            return None;
-        }
-        let below = |value: u16| {
-            let mut count = 0u32;
-            self.border(inside, |pixel| count = count.saturating_add(u32::from(pixel < value)));
-            count
-        };
+    /// Whether a rectangle has pixels of the border.
+    pub fn at_border(&self, inside: &Rectangle) -> bool {
+        let last = |length: usize| length.saturating_sub(1);
+        let along = |(first, end): (usize, usize), length| first == 0 || end >= last(length);
+        along(inside.columns, self.size.0) || along(inside.rows, self.size.1)
+    }
+
+    /// The median of the border outside a rectangle, as if equal counts were spread evenly over the width of a count.
+    pub fn sky(&self, inside: &Rectangle) -> Option<Border> {
+        let (values, count) = self.border(inside);
+        let values = values.get(..count)?;
+        let pixels = count as u32;
+        let below = |value: u16| values.iter().fold(0u32, |sum, &pixel| sum.wrapping_add(u32::from(pixel < value)));
         // The greatest value with at most half of the pixels below it, bit by bit.
+        let highest = values.iter().fold(0, |all, value| all | value);
         let mut base = 0u16;
-        for place in (0..P::BITS).rev() {
+        for place in (0..16u32.saturating_sub(highest.leading_zeros())).rev() {
             let higher = base | 1u16.wrapping_shl(place);
             if below(higher).saturating_mul(2) <= pixels {
                 base = higher;
             }
         }
-        let low = below(base);
-        let mut equal = 0u32;
-        self.border(inside, |pixel| equal = equal.saturating_add(u32::from(pixel == base)));
-        let part = (pixels as f32 * 0.5 - low as f32) / equal.max(1) as f32;
-        // Between two counts that share the middle: at the lower end of the upper one.
+        if pixels == 0 {
+            return None;
+        }
+        let equal = values.iter().filter(|&&pixel| pixel == base).count();
+        let part = (pixels as f32 * 0.5 - below(base) as f32) / equal.max(1) as f32;
+        // Between two counts that share the middle: at the upper end of the lower one.
         let rest = if part < 1.0 { part - 0.5 } else { 0.5 };
         Some(Border { base, rest, pixels })
     }
@@ -230,27 +263,20 @@ impl<'a, P: Pixel> View<'a, P> {
     /// The column and row in whose 3 x 3 pixels most light is, the first of several; pixels left out count
     /// as `base`. Not on the border.
     pub fn brightest(&self, base: u16) -> (usize, usize) {
-        let value = |pixel: &P, out: u64, x: usize| {
-            let value = if out & bit(x) == 0 { pixel.count() } else { base };
-            u32::from(value)
-        };
-        let (mut best, mut place) = (0, (1, 1));
+        let (mut most, mut place) = (0, (1, 1));
         for y in 1..self.size.1.saturating_sub(1) {
             let rows = [y.wrapping_sub(1), y, y.saturating_add(1)];
-            let [below, row, above] = rows.map(|y| self.row(y));
-            let [out_below, out, out_above] = rows.map(|y| self.out_of(y));
-            let columns = below.iter().zip(row).zip(above).enumerate();
-            let mut last = [0u32; 2];
-            for (x, ((below, pixel), above)) in columns {
-                let sum = value(below, out_below, x)
-                    .saturating_add(value(pixel, out, x))
-                    .saturating_add(value(above, out_above, x));
-                let [before, middle] = last;
-                let light = before.saturating_add(middle).saturating_add(sum);
-                if x >= 2 && light > best {
-                    (best, place) = (light, (x.saturating_sub(1), y));
-                }
-                last = [middle, sum];
+            let out = rows.map(|y| self.out_of(y));
+            let of_row = rows.map(|y| self.row(y));
+            let (light, x) = match out {
+                [0, 0, 0] => brightest_of(of_row, |pixel, _, _| u32::from(pixel.count())),
+                _ => brightest_of(of_row, |pixel, x, row| {
+                    let left_out = out.get(row).is_some_and(|out| out & bit(x) != 0);
+                    u32::from(if left_out { base } else { pixel.count() })
+                }),
+            };
+            if light > most {
+                (most, place) = (light, (x, y));
             }
         }
         place

@@ -34,7 +34,8 @@ fn every_digest_is_the_golden_one() {
         ["digest", name, crc] => (name.to_owned(), crc.to_owned()),
         _ => panic!("no digest: {line}"),
     });
-    let golden: Digests = golden.collect();
+    // Those of the examples in C and C++: see `c::`.
+    let golden: Digests = golden.filter(|(name, _): &(String, _)| !name.starts_with("c/")).collect();
     let mut here = Digests::new();
     add(&mut here, "powf", bits::powers());
     fronts::<F32>(&mut here);

@@ -3,6 +3,7 @@
 
 mod agreement;
 mod budget;
+mod c;
 mod catalogue;
 mod chan_vese;
 mod cli;

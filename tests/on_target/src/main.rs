@@ -27,6 +27,7 @@ use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper;
 use skyfront_workload::sources::Room;
+use skyfront_workload::track;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -130,6 +131,8 @@ fn here() -> Result<Report> {
     add::<Q11>(&mut report);
     add_sources::<f32>(&mut report);
     add_sources::<Fixed14>(&mut report);
+    add_stars::<F32>(&mut report);
+    add_stars::<Q24>(&mut report);
     let failed: Vec<&String> = report.digests.keys().filter(|name| name.ends_with("/error")).collect();
     if !failed.is_empty() {
         bail!("these runs fail on this machine: {failed:?}");
@@ -156,6 +159,12 @@ fn add<A: Arithmetic>(report: &mut Report) {
 fn add_sources<L: Level>(report: &mut Report) {
     let mut room = Box::new(Room::<L>::BLANK);
     room.all(|name, crc| {
+        report.digest(name.join("/"), crc);
+    });
+}
+
+fn add_stars<A: Arithmetic>(report: &mut Report) {
+    Box::new(track::Room::BLANK).all::<A>(|name, crc| {
         report.digest(name.join("/"), crc);
     });
 }

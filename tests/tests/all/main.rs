@@ -44,6 +44,7 @@ mod sources;
 mod speed;
 mod symmetry;
 mod thresholds;
+mod track;
 mod upsets;
 mod wrappings;
 mod zoo;

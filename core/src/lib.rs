@@ -28,7 +28,7 @@
 //! `front_in_slices`: the paper's front, which needs two planes, and of which each call does a bounded
 //! piece of work.
 #![doc = concat!("```\n", include_str!("../examples/front_in_slices.rs"), "```\n")]
-//! `default`: what finds most, in nine planes, a mesh and a table of regions.
+//! `default`: what finds most, in four planes, two lists, a mesh and a table of regions.
 #![doc = concat!("```\n", include_str!("../examples/default.rs"), "```\n")]
 //! `front_on_signal`: both together, the front of the paper over the default's signal-to-noise.
 #![doc = concat!("```\n", include_str!("../examples/front_on_signal.rs"), "```\n")]

@@ -6,6 +6,7 @@
 //! * [`image`](mod@image): pixel values become numbers in [0, 1], are rescaled and filtered;
 //! * [`front`]: edge detectors, the start, the schemes that move the front until it stops;
 //! * [`sources`]: components or the tree of level sets, deblending, significance, the catalogue;
+//! * [`track`](mod@track): stars in windows, where a star tracker expects them;
 //! * [`run`]: all steps in their order, in slices of bounded work, in memory that the caller
 //!   provides and whose size [`run::memory`] tells beforehand.
 //!
@@ -54,3 +55,5 @@ pub mod run;
 pub mod simulate;
 pub mod sky;
 pub mod sources;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod track;

@@ -1,6 +1,8 @@
 // The default over a frame in memory: sky and noise measured, outlines by a front, blends divided.
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::plane::mask::mask_words;
+use skyfront_core::plane::smooth::ROOM_ROWS;
 use skyfront_core::run::extract::extract;
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::workspace::{Workspace, regions};
@@ -20,7 +22,8 @@ fn main() -> Result<(), Error> {
     for (y, row) in pixels.chunks_exact_mut(W).enumerate() {
         let Ok(()) = sky.row(y, row);
     }
-    let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [[0.0; N]; 6];
+    let [mut signal, mut fine, mut smooth] = [[0.0; N]; 3];
+    let (mut masked, mut rows) = ([0; mask_words(N)], [0.0; ROOM_ROWS * W]);
     let [mut parents, mut order, mut labels] = [[0; N]; 3];
     let mut mesh = [Sky::UNKNOWN; mesh_cells(W, H, CELL)];
     let mut table = [Region::BLANK; regions(W, H)];
@@ -28,12 +31,11 @@ fn main() -> Result<(), Error> {
         signal: &mut signal,
         fine: &mut fine,
         smooth: &mut smooth,
-        front: &mut front,
-        masked: &mut masked,
-        scratch: &mut scratch,
         parents: &mut parents,
         order: &mut order,
         labels: &mut labels,
+        masked: &mut masked,
+        rows: &mut rows,
         mesh: &mut mesh,
         regions: &mut table,
     };

@@ -3,6 +3,8 @@
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::plane::mask::mask_words;
+use skyfront_core::plane::smooth::ROOM_ROWS;
 use skyfront_core::run::extract::{Extractor, Progress};
 use skyfront_core::run::frame::{Frame, SliceFrame};
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
@@ -45,7 +47,8 @@ fn main() -> Result<(), Error> {
     for (y, row) in pixels.chunks_exact_mut(W).enumerate() {
         let Ok(()) = sky.row(y, row);
     }
-    let [mut signal, mut fine, mut smooth, mut front, mut masked, mut scratch] = [[0.0; N]; 6];
+    let [mut signal, mut fine, mut smooth] = [[0.0; N]; 3];
+    let (mut masked, mut rows) = ([0; mask_words(N)], [0.0; ROOM_ROWS * W]);
     let [mut parents, mut order, mut labels] = [[0; N]; 3];
     let mut mesh = [Sky::UNKNOWN; mesh_cells(W, H, CONFIG.sky.cell())];
     let mut table = [Region::BLANK; regions(W, H)];
@@ -53,12 +56,11 @@ fn main() -> Result<(), Error> {
         signal: &mut signal,
         fine: &mut fine,
         smooth: &mut smooth,
-        front: &mut front,
-        masked: &mut masked,
-        scratch: &mut scratch,
         parents: &mut parents,
         order: &mut order,
         labels: &mut labels,
+        masked: &mut masked,
+        rows: &mut rows,
         mesh: &mut mesh,
         regions: &mut table,
     };

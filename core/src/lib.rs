@@ -6,6 +6,7 @@
 //! * [`image`](mod@image): pixel values become numbers in [0, 1], are rescaled and filtered;
 //! * [`front`]: edge detectors, the start, the schemes that move the front until it stops;
 //! * [`sources`]: components or the tree of level sets, deblending, significance, the catalogue;
+//! * [`track`](mod@track): stars in windows, where a star tracker expects them;
 //! * [`run`]: all steps in their order, in slices of bounded work, in memory that the caller
 //!   provides and whose size [`run::memory`] tells beforehand.
 //!
@@ -27,7 +28,7 @@
 //! `front_in_slices`: the paper's front, which needs two planes, and of which each call does a bounded
 //! piece of work.
 #![doc = concat!("```\n", include_str!("../examples/front_in_slices.rs"), "```\n")]
-//! `default`: what finds most, in nine planes, a mesh and a table of regions.
+//! `default`: what finds most, in four planes, two lists, a mesh and a table of regions.
 #![doc = concat!("```\n", include_str!("../examples/default.rs"), "```\n")]
 //! `front_on_signal`: both together, the front of the paper over the default's signal-to-noise.
 #![doc = concat!("```\n", include_str!("../examples/front_on_signal.rs"), "```\n")]
@@ -54,3 +55,5 @@ pub mod run;
 pub mod simulate;
 pub mod sky;
 pub mod sources;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod track;

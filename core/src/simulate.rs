@@ -199,7 +199,7 @@ impl Object {
 impl Frame for Sky {
     type Error = Infallible;
 
-    /// Cost: one hash of four words a pixel, and each object near the row.
+    /// Cost: one hash of four words per pixel, and each object near the row.
     fn row(&mut self, y: usize, out: &mut [f32]) -> Result<(), Infallible> {
         out.fill(0.0);
         for index in 0..self.objects {

@@ -3,7 +3,7 @@
 use crate::background::SkyMaps;
 use crate::evolution::segment_in;
 use crate::nothing::without_front;
-use crate::planes::SignalRoom;
+use crate::planes::{SignalRoom, most_room_rows};
 use crate::remarks;
 use crate::segmentation::{Drive, Segmentation, StagePlanes};
 use crate::workers::Threads;
@@ -11,10 +11,12 @@ use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
+use skyfront_core::plane::mask::{Mask, mask_words};
 use skyfront_core::plane::part::Whole;
 use skyfront_core::plane::rows::used;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::outcome::{Outcome, Progress::Working};
+use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::regions;
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
@@ -23,16 +25,22 @@ use skyfront_core::sources::tree::Region;
 use std::time::Instant;
 
 /// Bytes that an image and [`segment`] without pictures take together, by what they hold.
-pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static str); 4] {
+pub fn memory(config: &Config, width: usize, height: usize) -> [(usize, &'static str); 5] {
     let plane = width * height * size_of::<f32>();
     [
-        (2 * plane, "the image, and the level that is kept of it"),
-        (9 * plane, "nine planes to work in"),
+        (plane, "the image"),
+        (4 * plane, "four planes to work in"),
+        (2 * plane, "two lists of the pixels of sources; of each as much is used as there are"),
         (
             regions(width, height) * size_of::<Region<f32>>(),
             "table of regions; a fifth of it is enough but for images full of specks",
         ),
-        (mesh_cells(width, height, config.sky.cell()) * size_of::<Sky>(), "mesh of the sky"),
+        (
+            mesh_cells(width, height, config.sky.cell()) * size_of::<Sky>()
+                + mask_words(width * height) * size_of::<u32>()
+                + most_room_rows(height) * width * size_of::<f32>(),
+            "mesh of the sky, mask, and rows to smooth in",
+        ),
     ]
 }
 
@@ -96,11 +104,12 @@ fn in_room<A: Arithmetic, L: Level>(
     let height = count / width.max(1);
     let (image, origin) =
         drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
-    let mut room = SignalRoom::<L>::new(config, count, image, regions);
+    let mut room = SignalRoom::<L>::new(config, (count, width), image, regions, drive.threads);
     let known =
         Known { background: drive.background, noise: drive.noise, relative: drive.relative, whole: drive.whole };
     let mut run = Extractor::new(config, pixels, width, known, room.workspace())?;
     let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
+    let (mut front, mut stages) = (Vec::new(), None);
     let found = loop {
         let started = Instant::now();
         match run.progress() {
@@ -111,6 +120,10 @@ fn in_room<A: Arithmetic, L: Level>(
                 }
                 run.poll_by(&crew)?;
                 seconds.push((stage, started.elapsed()));
+                if stage == Stage::Outline {
+                    front = give_front(&run, drive);
+                    stages = drive.keep_stages.then(|| stages_of(&run));
+                }
             }
             Progress::Front => {
                 let evolved = move_front::<A, L>(config, &run, width, drive)?;
@@ -120,11 +133,10 @@ fn in_room<A: Arithmetic, L: Level>(
             }
         }
     };
-    let SignalRoom { levels: [signal, fine, smooth, front, masked, scratch], words, mut mesh, regions } = room;
-    let ([_, _, labels], [smooth, front, masked]) = (words, [smooth, front, masked].map(in_f32));
+    let SignalRoom { levels: [_, fine, smooth], labels, mut mesh, regions, .. } = room;
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
     let mut sky =
-        SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, scratch].map(in_f32));
+        SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, smooth].map(in_f32));
     // Nothing is measured in what was never observed.
     sky.noise
         .iter_mut()
@@ -157,19 +169,13 @@ fn in_room<A: Arithmetic, L: Level>(
             mark(&mut plateaus, region.label);
         }
     }
-    let own_stages = || StagePlanes {
-        normalised: signal.iter().map(|value| shown::unit(&value.to_f32())).collect(),
-        rescaled: Vec::new(),
-        filtered: smooth.iter().map(shown::unit).collect(),
-        edge: masked,
-    };
     let run = Segmentation {
         arithmetic: L::NAME,
         width,
         height,
         labels,
         front,
-        stages: (drive.keep_stages && moved.is_none()).then(own_stages),
+        stages,
         convergence: Vec::new(),
         sources,
         blended: Some(blended),
@@ -180,6 +186,28 @@ fn in_room<A: Arithmetic, L: Level>(
         remarks: remarks::on(&found, image.0 * image.1),
     };
     Ok(with_front(run, &found, moved))
+}
+
+/// The front of a run, unless somebody takes it.
+fn give_front<L: Level>(run: &Extractor<'_, '_, L>, drive: &mut Drive<'_>) -> Vec<f32> {
+    match &mut drive.take_front {
+        Some(take) => {
+            take(&|first, out| (first..).zip(out).for_each(|(at, out)| *out = run.front(at).to_f32()));
+            Vec::new()
+        }
+        None => (0..run.image().len()).map(|at| run.front(at).to_f32()).collect(),
+    }
+}
+
+/// What the steps up to the front have left.
+fn stages_of<L: Level>(run: &Extractor<'_, '_, L>) -> StagePlanes {
+    let (work, unit) = (run.work(), |value: &L| shown::unit(&value.to_f32()));
+    StagePlanes {
+        normalised: work.signal.iter().map(unit).collect(),
+        rescaled: Vec::new(),
+        filtered: work.smooth.iter().map(unit).collect(),
+        edge: (0..work.signal.len()).map(|at| f32::from(u8::from(Mask(work.masked).has(at)))).collect(),
+    }
 }
 
 /// Moves the front of a configuration over the image that a run has made.

@@ -1,23 +1,6 @@
 //! The `skyfront` command.
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 
-use std::process::ExitCode;
-
-/// One heap for all threads, who take little from it: a heap of its own takes 64 MB of addresses for each, which may be
-/// all that a limit leaves.
-#[cfg(target_env = "gnu")]
-#[allow(unsafe_code, reason = "a setting of the C library, before there are threads")]
-fn one_heap() {
-    // SAFETY: no other thread runs yet; where the setting is refused, all works with more addresses.
-    unsafe { libc::mallopt(libc::M_ARENA_MAX, 1) };
-}
-
-#[cfg(not(target_env = "gnu"))]
-fn one_heap() {}
-
-fn main() -> ExitCode {
-    one_heap();
-    // Without a handler an interrupt would leave temporary files behind; if none can be set, that is all that is lost.
-    let _ = ctrlc::set_handler(|| skyfront::write::interrupted());
-    skyfront::cli::run(std::env::args_os())
+fn main() -> std::process::ExitCode {
+    skyfront::cli::main()
 }

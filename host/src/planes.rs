@@ -2,6 +2,8 @@
 
 use skyfront_core::arithmetic::{Arithmetic, Bits, Level};
 use skyfront_core::config::{Config, Scheme};
+use skyfront_core::plane::mask::mask_words;
+use skyfront_core::plane::smooth::ROOM_ROWS;
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::run::workspace::Workspace;
 use skyfront_core::sky::otsu::{BINS, Histogram};
@@ -61,10 +63,14 @@ impl<A: Arithmetic> Room<A> {
 /// The memory of a run on signal-to-noise.
 #[derive(Debug)]
 pub struct SignalRoom<L: Level> {
-    /// Signal, fine, smooth, front, masked and scratch, as in a [`Workspace`].
-    pub levels: [Vec<L>; 6],
-    /// Parents, order and labels.
-    pub words: [Vec<u32>; 3],
+    /// Signal, fine and smooth, as in a [`Workspace`].
+    pub levels: [Vec<L>; 3],
+    /// The front, then the labels.
+    pub labels: Vec<u32>,
+    /// Parents and order; of their memory the system gives as much as is used.
+    lists: [Vec<u32>; 2],
+    masked: Vec<u32>,
+    rows: Vec<L>,
     /// The mesh.
     pub mesh: Vec<Sky>,
     /// The table of regions.
@@ -72,23 +78,46 @@ pub struct SignalRoom<L: Level> {
 }
 
 impl<L: Level> SignalRoom<L> {
-    /// Room for a frame of `count` pixels with so many regions; `image` has the columns and rows of the mesh's frame.
-    pub fn new(config: &Config, count: usize, (width, height): (usize, usize), regions: usize) -> Self {
+    /// Room for a frame of `count` pixels in rows of `columns`, with so many regions, for so many threads; `image` has
+    /// the columns and rows of the mesh's frame.
+    pub fn new(
+        config: &Config,
+        (count, columns): (usize, usize),
+        (width, height): (usize, usize),
+        regions: usize,
+        threads: usize,
+    ) -> Self {
         SignalRoom {
-            levels: [(); 6].map(|()| plane(count, L::ZERO)),
-            words: [(); 3].map(|()| plane(count, 0)),
-            mesh: plane(mesh_cells(width, height, config.sky.cell()), Sky::UNKNOWN),
-            regions: plane(regions, Region::BLANK),
+            levels: [(); 3].map(|()| plane(count, L::BLANK)),
+            labels: plane(count, 0),
+            lists: [(); 2].map(|()| vec![0; count]),
+            masked: vec![0; mask_words(count)],
+            rows: vec![L::BLANK; room_rows(count / columns.max(1), threads) * columns],
+            mesh: vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())],
+            regions: vec![Region::BLANK; regions],
         }
     }
 
     /// The slices for an extractor.
     pub fn workspace(&mut self) -> Workspace<'_, L> {
-        let [signal, fine, smooth, front, masked, scratch] = &mut self.levels;
-        let [parents, order, labels] = &mut self.words;
-        let (mesh, regions) = (&mut self.mesh, &mut self.regions);
-        Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions }
+        let ([signal, fine, smooth], [parents, order]) = (&mut self.levels, &mut self.lists);
+        let SignalRoom { labels, masked, rows, mesh, regions, .. } = self;
+        Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions }
     }
+}
+
+/// Bands of rows for each thread: who is done early takes another.
+const BANDS: usize = 2;
+
+/// Rows that so many threads work in: for one band at least, and no more than [`most_room_rows`].
+fn room_rows(height: usize, threads: usize) -> usize {
+    let bands = if threads > 1 { BANDS * threads } else { 1 };
+    ROOM_ROWS * bands.min(most_room_rows(height) / ROOM_ROWS)
+}
+
+/// The most rows that threads work in: an eighth of a frame.
+pub const fn most_room_rows(height: usize) -> usize {
+    if height / 8 > ROOM_ROWS { height / 8 } else { ROOM_ROWS }
 }
 
 /// Whether the system gives so many bytes now.

@@ -1,7 +1,7 @@
 //! Test vectors: an image, the parameters and what every stage made of it, for replay on other hardware.
 //!
 //! A folder with `vectors.json` and raw planes, little-endian and row-major, row 0 first: `input.f32`, and for each
-//! arithmetic, scheme and stage one file of cells as the core holds them (4 bytes a cell, or 2), named
+//! arithmetic, scheme and stage one file of cells as the core holds them (4 bytes per cell, or 2), named
 //! ARITHMETIC-SCHEME-STAGE.bin; `labels` are cells too. Digests are CRC-32 (IEEE) of the file's bytes.
 
 use crate::arithmetics::{self, Task, adapted};

@@ -101,7 +101,15 @@ fn instructions(line: &[String], side: usize) -> Option<f64> {
     count.and_then(|count| count.parse::<f64>().ok()).map(|count| count / (side * side) as f64)
 }
 
+/// Builds the program as it is now, which cargo does for tests alone.
+fn build() {
+    let line = ["build", "--release", "--quiet", "--package", "skyfront-tests", "--bin", "program-under-test"];
+    let status = Command::new(env!("CARGO")).args(line).status().expect("cargo can be started");
+    assert!(status.success(), "the program can be built");
+}
+
 fn main() -> ExitCode {
+    build();
     let sides: Vec<usize> = std::env::args().filter_map(|word| word.parse().ok()).collect();
     let sides = if sides.is_empty() { vec![512, 1024, 2048, 4096] } else { sides };
     let folder = Folder::new("hostile");

@@ -1,27 +1,33 @@
-//! The `skyfront` program as a user runs it, built once for all tests of a process.
+//! The `skyfront` program as a user runs it, built with the tests.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
-/// The program's path; builds it on the first call, in the profile of the tests.
+/// The program's path.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--quiet", "--package", "skyfront", "--bin", "skyfront"]);
-        if !cfg!(debug_assertions) {
-            cargo.arg("--release");
-        }
-        let status = cargo.current_dir(workspace()).status().expect("cargo can be started");
-        assert!(status.success(), "the program can be built");
         // The tests of a profile lie beside its programs: target/PROFILE/deps/TEST.
         let test = std::env::current_exe().expect("a running test has a path");
         let folder = test.ancestors().nth(2).expect("tests lie two folders below their profile's");
-        let program = folder.join("skyfront");
-        assert!(program.is_file(), "{} is missing", program.display());
-        program
+        let built = folder.join(format!("program-under-test{}", std::env::consts::EXE_SUFFIX));
+        under_its_name(&built, &folder.join("under-test"))
     })
+}
+
+/// Gives the program its name, in a folder of its own: other processes may be doing the same.
+fn under_its_name(built: &Path, folder: &Path) -> PathBuf {
+    fs::create_dir_all(folder).expect("a folder can be made beside the tests");
+    let name = format!("skyfront{}", std::env::consts::EXE_SUFFIX);
+    let link = folder.join(format!("{name}-{}", std::process::id()));
+    fs::hard_link(built, &link).unwrap_or_else(|reason| panic!("{}: {reason}", built.display()));
+    let program = folder.join(name);
+    fs::rename(&link, &program).expect("a link can be renamed");
+    // Where both are one file already, a renaming leaves both.
+    let _ = fs::remove_file(link);
+    program
 }
 
 /// The root of the workspace.

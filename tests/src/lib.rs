@@ -6,6 +6,7 @@ pub mod command;
 pub mod compressed;
 pub mod evolve;
 pub mod fits_bytes;
+pub mod frames;
 pub mod noise;
 pub mod scenes;
 pub mod specimens;

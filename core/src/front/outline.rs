@@ -10,7 +10,8 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
-use crate::plane::rows::row_of;
+use crate::plane::rows::{row_of, row_of_mut};
+use core::num::NonZero;
 
 /// u is kept between minus and plus this.
 pub const BAND: f32 = 0.3;
@@ -23,6 +24,11 @@ pub const STEP: f32 = 0.2;
 const PIECE: usize = 16;
 /// A gradient below this has no direction.
 const FLAT: f32 = 1e-3;
+
+/// Old rows of a band that are kept: its first and last, which its neighbours see, and three around the row at work.
+pub const ROWS: usize = BORDERS + RING;
+const BORDERS: usize = 2;
+const RING: usize = 3;
 
 /// How a front moves.
 #[derive(Clone, Copy, Debug)]
@@ -40,62 +46,73 @@ pub struct Front<L: Level> {
 struct Around<'a, L>([&'a [L]; 3]);
 
 impl<L: Level> Front<L> {
-    /// Turns `plane`, smoothed signal-to-noise, into u, above 0 inside: the front starts at the
-    /// threshold and takes its steps. `signal` has the force, less smoothed than the plane; `rows`
-    /// has room for two rows, and for four of every band where more than one works. Cost: a pass per step, which
+    /// Fills `plane` with the bits of u, above 0 inside: the front starts where `start`, smoothed signal-to-noise, is at
+    /// the threshold, and takes its steps. `signal` has the force, less smoothed; `rows` has room for
+    /// [`ROWS`], and for as many of each band where more than one works. Cost: a pass per step, which
     /// computes near the front only.
-    pub fn outline(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
-        self.start(plane);
+    pub fn outline(&self, [signal, start]: [&[L]; 2], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
+        self.start(start, plane);
         for _ in 0..self.steps {
             self.step(signal, plane, rows, grid, crew);
         }
     }
 
-    /// Turns `plane` into u before the first step.
-    pub fn start(&self, plane: &mut [L]) {
-        for u in plane.iter_mut() {
-            *u = within(*u - self.threshold, BAND);
+    /// u before the first step.
+    pub fn start(&self, start: &[L], plane: &mut [u32]) {
+        for (u, &start) in plane.iter_mut().zip(start) {
+            *u = within(start - self.threshold, BAND).bits();
         }
     }
 
     /// One step of [`Front::outline`].
-    pub fn step(&self, signal: &[L], plane: &mut [L], rows: &mut [L], grid: Grid, crew: &impl Crew) {
-        let (width, band) = (grid.width.get(), (grid.width.get() * crew.rows(grid)).max(1));
-        let (bands, ring) = (plane.len().div_ceil(band), (2 * width).max(1));
+    pub fn step(&self, signal: &[L], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
+        let width = grid.width.get();
+        let most = (rows.len() / grid.width / ROWS).max(1);
+        let band = crew.rows(grid).max(grid.height.div_ceil(most)).max(1) * width;
+        let bands = plane.len().div_ceil(band);
         // The first and the last row of every band, for its neighbours, who see the old ones.
-        let borders = if bands > 1 { 2 * width * bands } else { 0 };
-        let Some((borders, rings)) = rows.split_at_mut_checked(borders) else { return };
-        for (borders, band) in borders.chunks_exact_mut(ring).zip(plane.chunks(band)) {
+        let Some((borders, rings)) = rows.split_at_mut_checked(BORDERS * width * bands) else { return };
+        for (borders, band) in borders.chunks_exact_mut(BORDERS * width).zip(plane.chunks(band)) {
             let ends = band.get(..width).into_iter().chain(band.get(band.len().saturating_sub(width)..)).flatten();
-            borders.iter_mut().zip(ends).for_each(|(border, &u)| *border = u);
+            borders.iter_mut().zip(ends).for_each(|(border, &u)| *border = L::from_bits(u));
         }
+        let borders = &*borders;
         let border = |row: Option<usize>| row.map_or(&[][..], |row| row_of(borders, width, row));
-        let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings.chunks_mut(ring)).enumerate();
+        let rings = rings.chunks_exact_mut(RING * width);
+        let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings).enumerate();
         crew.each(bands, |(index, ((plane, signal), ring))| {
             let beside = [border((2 * index).checked_sub(1)), border(Some(2 * index + 2))];
-            self.band(signal, plane, ring, beside, width);
+            self.band(signal, plane, ring, beside, grid.width);
         });
     }
 
     /// A step of a band, between the old rows beside it; beyond the frame these are empty.
-    fn band(&self, signal: &[L], plane: &mut [L], ring: &mut [L], beside: [&[L]; 2], width: usize) {
-        let Some((mut below, rest)) = ring.split_at_mut_checked(width) else { return };
-        let ([before, after], mut own) = (beside, rest.get_mut(..width).unwrap_or(&mut []));
-        below.iter_mut().zip(before).for_each(|(below, &u)| *below = u);
-        let mut left = plane;
-        for (y, signal) in signal.chunks_exact(width.max(1)).enumerate() {
-            let Some((out, above)) = left.split_at_mut_checked(width) else { return };
-            own.iter_mut().zip(out.iter()).for_each(|(own, &u)| *own = u);
-            // Beyond the frame u is what it is at its border.
-            let above_row = above.get(..width).unwrap_or(if after.is_empty() { own } else { after });
-            let below_row = if y == 0 && before.is_empty() { &*own } else { &*below };
-            self.row(Around([below_row, own, above_row]), signal, out);
-            core::mem::swap(&mut below, &mut own);
-            left = above;
+    fn band(
+        &self,
+        signal: &[L],
+        plane: &mut [u32],
+        ring: &mut [L],
+        [before, after]: [&[L]; 2],
+        columns: NonZero<usize>,
+    ) {
+        let width = columns.get();
+        let (mut rows, last) = (ring.chunks_exact_mut(width), (plane.len() / columns).saturating_sub(1));
+        let (Some(mut below), Some(mut own), Some(mut above)) = (rows.next(), rows.next(), rows.next()) else { return };
+        read(plane.get(..width).unwrap_or(&[]), own);
+        // Beyond the frame u is what it is at its border.
+        copy(if before.is_empty() { own } else { before }, below);
+        for (y, signal) in signal.chunks_exact(width).enumerate() {
+            match (y == last, after.is_empty()) {
+                (false, _) => read(row_of(plane, width, y + 1), above),
+                (true, false) => copy(after, above),
+                (true, true) => copy(own, above),
+            }
+            self.row(Around([below, own, above]), signal, row_of_mut(plane, width, y));
+            (below, own, above) = (own, above, below);
         }
     }
 
-    fn row(&self, old: Around<'_, L>, signal: &[L], out: &mut [L]) {
+    fn row(&self, old: Around<'_, L>, signal: &[L], out: &mut [u32]) {
         for (piece, (out, signal)) in out.chunks_mut(PIECE).zip(signal.chunks(PIECE)).enumerate() {
             let first = piece.saturating_mul(PIECE);
             if old.is_flat(first, out.len()) {
@@ -106,7 +123,8 @@ impl<L: Level> Front<L> {
             for ((((out, &signal), &below), &own), &above) in out.iter_mut().zip(signal).zip(below).zip(own).zip(above)
             {
                 let change = self.change([below, own, above], within(signal - self.threshold, FORCE));
-                *out = within(*out + change.scaled(L::Weight::of(STEP)), BAND);
+                let [_, middle, _] = own;
+                *out = within(middle + change.scaled(L::Weight::of(STEP)), BAND).bits();
             }
         }
     }
@@ -124,6 +142,15 @@ impl<L: Level> Front<L> {
         };
         force * length(steep(left, right), steep(down, up)) + bend(below, own, above).scaled(self.curvature)
     }
+}
+
+/// Reads a row of u from its bits.
+fn read<L: Level>(bits: &[u32], row: &mut [L]) {
+    row.iter_mut().zip(bits).for_each(|(u, &bits)| *u = L::from_bits(bits));
+}
+
+fn copy<L: Level>(from: &[L], to: &mut [L]) {
+    to.iter_mut().zip(from).for_each(|(to, &u)| *to = u);
 }
 
 /// The length of a vector with parts that are not below 0, to 0.1 %: the greater times a parabola
@@ -166,7 +193,8 @@ impl<L: Level> Around<'_, L> {
         let Around([_, own, _]) = self;
         let Some(&value) = own.get(first) else { return true };
         let (start, end) = (first.saturating_sub(1), first.saturating_add(length).saturating_add(1).min(own.len()));
-        self.0.iter().all(|row| row.get(start..end).is_some_and(|piece| piece.iter().all(|&u| u == value)))
+        let is_one = |piece: &[L]| piece.iter().fold(true, |one, &u| one & (u == value));
+        self.0.iter().all(|row| row.get(start..end).is_some_and(is_one))
     }
 
     /// The rows around a piece, with a column on either side; beyond a row the values are those of
@@ -213,9 +241,10 @@ mod tests {
         (0..SIDE * SIDE).map(|at| L::of(value((at % SIDE) as f32, (at / SIDE) as f32))).collect()
     }
 
-    fn moved<L: Level>(front: &Front<L>, signal: &[L], mut plane: Vec<L>) -> Vec<L> {
-        front.outline(signal, &mut plane, &mut [L::ZERO; 2 * SIDE], grid(), &Alone);
-        plane
+    fn moved<L: Level>(front: &Front<L>, signal: &[L], start: Vec<L>) -> Vec<L> {
+        let mut plane = vec![0; start.len()];
+        front.outline([signal, &start], &mut plane, &mut [L::ZERO; ROWS * SIDE], grid(), &Alone);
+        plane.into_iter().map(L::from_bits).collect()
     }
 
     fn area<L: Level>(u: &[L]) -> usize {

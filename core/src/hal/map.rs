@@ -5,7 +5,7 @@ use super::serial::{CHUNK, MemoryError, SerialMemory, in_range};
 use crate::arithmetic::Cell;
 use embedded_hal::spi::SpiDevice;
 
-/// Writes a label map row-major and without gaps, one chunk of [`CHUNK`] bytes a poll.
+/// Writes a label map row-major and without gaps, one chunk of [`CHUNK`] bytes per poll.
 ///
 /// Each chunk is read back and compared. A poll that fails can be made again: it writes the same
 /// chunk again.

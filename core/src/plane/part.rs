@@ -23,7 +23,7 @@ pub enum Question {
     Least,
     /// The greatest: the last of them.
     Greatest,
-    /// Sky of the cells of the mesh in a round: [`CELL_WORDS`] words a cell.
+    /// Sky of the cells of the mesh in a round: [`CELL_WORDS`] words per cell.
     Cells(u32),
     /// Measured noise in units of the given one, of a sample: sorted keys.
     Relative(u32),

@@ -3,9 +3,13 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
+use crate::plane::mask::{MaskMut, WORD};
+use crate::plane::rows::{row_of, row_of_mut};
 
 /// The most weights of a kernel on one side of its centre.
 pub const RADIUS: usize = 12;
+/// Rows that smoothing needs for a band: those around a row, as many behind it, and one of what comes out.
+pub const ROOM_ROWS: usize = 3 * RADIUS + 2;
 
 /// A symmetric kernel: the weight of the centre, then outwards; sums to 1 over both sides.
 #[derive(Clone, Copy, Debug)]
@@ -36,44 +40,72 @@ impl Weights {
         Weights { weights, radius }
     }
 
-    /// Smooths `from` into `to`, both W x H; `between` holds the plane smoothed along its rows.
-    /// Each sum begins with the centre and goes outwards. Cost: `4 radius` additions a pixel.
-    pub fn apply<L: Level>(&self, from: &[L], between: &mut [L], to: &mut [L], grid: Grid, crew: &impl Crew) {
-        self.along_rows(from, between, grid, crew);
-        self.along_columns(between, to, grid, crew, |rows, first, to| {
-            to.fill(L::ZERO);
-            self.add_along_columns(rows, first, to, grid, 1.0);
+    /// Smooths `from` into `to`, both W x H, row by row: `room` has [`ROOM_ROWS`] for one band at least, and for
+    /// each of several. Each sum
+    /// begins with the centre and goes outwards. Cost: `4 radius` additions per pixel.
+    pub fn apply<L: Level>(&self, from: &[L], room: &mut [L], to: &mut [L], grid: Grid, crew: &impl Crew) {
+        let (width, rows) = (grid.width.get(), rows_of_band(room.len(), grid, crew));
+        let bands = (0..).step_by(rows).zip(to.chunks_mut(rows * width)).zip(room.chunks_mut(kept(grid)));
+        crew.each(bands, |((first, to), room)| {
+            let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
+            for (y, out) in (first..).zip(to.chunks_exact_mut(width)) {
+                ring.follow(y, &mut next, |y| row_of(from, width, y));
+                out.fill(L::ZERO);
+                ring.add(y, out, 1.0);
+            }
         });
     }
 
-    /// Adds to a plane `strength` times what smoothing takes from it: an unsharp mask.
-    pub fn sharpen<L: Level>(&self, plane: &mut [L], between: &mut [L], grid: Grid, strength: f32, crew: &impl Crew) {
-        self.along_rows(plane, between, grid, crew);
-        let gain = 1.0 + strength;
-        self.along_columns(between, plane, grid, crew, |rows, first, plane| {
-            plane.iter_mut().for_each(|value| *value = value.scaled(L::Weight::of(gain)));
-            self.add_along_columns(rows, first, plane, grid, -strength);
+    /// Marks the pixels of `from` that are above `level` once smoothed, and no others.
+    pub fn mark<L: Level>(&self, from: &[L], level: L, room: &mut [L], to: MaskMut<'_>, grid: Grid, crew: &impl Crew) {
+        // A word of the mask is of one band only.
+        let rows = rows_of_band(room.len(), grid, crew).next_multiple_of(WORD);
+        let (width, kept) = (grid.width.get(), kept(grid));
+        let bands = (0..).step_by(rows).zip(to.0.chunks_mut(rows / WORD * width)).zip(room.chunks_mut(kept));
+        crew.each(bands, |((first, words), room)| {
+            let (out, room) = room.split_at_mut_checked(width).unwrap_or_default();
+            let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
+            words.fill(0);
+            let mut mask = MaskMut(words);
+            for (row, y) in (first..grid.height.min(first + rows)).enumerate() {
+                ring.follow(y, &mut next, |y| row_of(from, width, y));
+                out.fill(L::ZERO);
+                ring.add(y, out, 1.0);
+                for (x, piece) in (0..).step_by(WORD).zip(out.chunks(WORD)) {
+                    if piece.iter().fold(false, |any, &value| any | (value > level)) {
+                        let above = (x..).zip(piece).filter(|(_, value)| **value > level);
+                        above.for_each(|(x, _)| mask.set(row * width + x));
+                    }
+                }
+            }
         });
     }
 
-    /// Smooths all rows, band by band.
-    fn along_rows<L: Level>(&self, from: &[L], to: &mut [L], grid: Grid, crew: &impl Crew) {
-        let band = (grid.width.get() * crew.rows(grid)).max(1);
-        crew.each(from.chunks(band).zip(to.chunks_mut(band)), |(from, to)| self.rows(from, to, grid.width.get()));
-    }
-
-    /// Does `work` on every band of `to`, by the index of its first row; it reads all of `from`.
-    fn along_columns<L: Level>(
-        &self,
-        from: &[L],
-        to: &mut [L],
-        grid: Grid,
-        crew: &impl Crew,
-        work: impl Fn(&[L], usize, &mut [L]) + Sync,
-    ) {
-        let rows = crew.rows(grid).max(1);
-        let bands = (0..).step_by(rows).zip(to.chunks_mut((grid.width.get() * rows).max(1)));
-        crew.each(bands, |(first, to)| work(from, first, to));
+    /// Adds to a plane `strength` times what smoothing takes from it: an unsharp mask. For `room` see
+    /// [`Weights::apply`].
+    pub fn sharpen<L: Level>(&self, plane: &mut [L], room: &mut [L], grid: Grid, strength: f32, crew: &impl Crew) {
+        let (width, radius, kept) = (grid.width.get(), self.radius, kept(grid));
+        let rows = rows_of_band(room.len(), grid, crew);
+        // What lies beside a band is smoothed before it changes.
+        let before = &*plane;
+        let firsts = (0..grid.height).step_by(rows);
+        crew.each(firsts.zip(room.chunks_mut(kept)), |(first, room)| {
+            let (end, mut ring) = (first + rows, Ring::new(self, room, first + rows, grid));
+            for y in (first.saturating_sub(radius)..first).chain(end..grid.height.min(end + radius)) {
+                ring.smooth(y, row_of(before, width, y));
+            }
+        });
+        let bands = (0..).step_by(rows).zip(plane.chunks_mut(rows * width)).zip(room.chunks_mut(kept));
+        let gain = L::Weight::of(1.0 + strength);
+        crew.each(bands, |((first, plane), room)| {
+            let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first);
+            for y in first..first + plane.len() / grid.width {
+                ring.follow(y, &mut next, |y| row_of(plane, width, y - first));
+                let out = row_of_mut(plane, width, y - first);
+                out.iter_mut().for_each(|value| *value = value.scaled(gain));
+                ring.add(y, out, -strength);
+            }
+        });
     }
 
     /// The weights beside the centre with their distances.
@@ -81,42 +113,91 @@ impl Weights {
         self.weights.into_iter().enumerate().take(self.radius + 1).skip(1)
     }
 
-    fn rows<L: Level>(&self, from: &[L], to: &mut [L], width: usize) {
-        let [centre, ..] = self.weights;
+    /// Smooths a row along itself.
+    fn row<L: Level>(&self, row: &[L], out: &mut [L]) {
+        let ([centre, ..], width) = (self.weights, row.len());
         let centre = L::Weight::of(centre);
-        let width = width.max(1);
-        for (row, out) in from.chunks_exact(width).zip(to.chunks_exact_mut(width)) {
-            out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
-            for (distance, weight) in self.sides() {
-                let weight = L::Weight::of(weight);
-                let inner = width.saturating_sub(2 * distance);
-                if let (Some(left), Some(right)) = (row.get(..inner), row.get(width - inner..)) {
-                    add(out.get_mut(distance..distance + inner).unwrap_or(&mut []), left, right, weight);
-                }
-                let left_end = if inner > 0 { distance } else { width };
-                for x in (0..left_end).chain((left_end + inner).min(width)..width) {
-                    let [below, above] = mirrored(x, distance, width).map(|at| row.get(at).copied().unwrap_or(L::ZERO));
-                    if let Some(out) = out.get_mut(x) {
-                        *out = *out + (below + above).scaled(weight);
-                    }
+        out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
+        for (distance, weight) in self.sides() {
+            let weight = L::Weight::of(weight);
+            let inner = width.saturating_sub(2 * distance);
+            if let (Some(left), Some(right)) = (row.get(..inner), row.get(width - inner..)) {
+                add(out.get_mut(distance..distance + inner).unwrap_or(&mut []), left, right, weight);
+            }
+            let left_end = if inner > 0 { distance } else { width };
+            for x in (0..left_end).chain((left_end + inner).min(width)..width) {
+                let [below, above] = mirrored(x, distance, width).map(|at| row.get(at).copied().unwrap_or(L::ZERO));
+                if let Some(out) = out.get_mut(x) {
+                    *out = *out + (below + above).scaled(weight);
                 }
             }
+        }
+    }
+}
+
+/// Rows around the one at work, smoothed along themselves: those of the band in a ring, those behind it apart, for they
+/// are known before the band is.
+struct Ring<'a, L> {
+    weights: &'a Weights,
+    rows: &'a mut [L],
+    end: usize,
+    grid: Grid,
+}
+
+impl<'a, L: Level> Ring<'a, L> {
+    /// For a band that ends before row `end`.
+    fn new(weights: &'a Weights, rows: &'a mut [L], end: usize, grid: Grid) -> Self {
+        Ring { weights, rows, end, grid }
+    }
+
+    /// Where a row lies.
+    fn place(&self, y: usize) -> usize {
+        let length = 2 * self.weights.radius + 1;
+        if y < self.end { y % length } else { length + y - self.end }
+    }
+
+    /// Smooths row `y` along itself.
+    fn smooth(&mut self, y: usize, row: &[L]) {
+        let place = self.place(y);
+        self.weights.row(row, row_of_mut(self.rows, self.grid.width.get(), place));
+    }
+
+    /// Smooths the rows from `next` on that row `y` needs, of those that the band has.
+    fn follow<'r>(&mut self, y: usize, next: &mut usize, row: impl Fn(usize) -> &'r [L])
+    where
+        L: 'r,
+    {
+        while *next < self.grid.height.min(y + self.weights.radius + 1) {
+            let source = row(*next);
+            if !source.is_empty() {
+                self.smooth(*next, source);
+            }
+            *next += 1;
         }
     }
 
-    /// Adds `gain` times the smoothed columns of `from` to the rows from `first` on.
-    fn add_along_columns<L: Level>(&self, from: &[L], first: usize, to: &mut [L], grid: Grid, gain: f32) {
-        let ([centre, ..], width) = (self.weights, grid.width.get());
+    /// Adds `gain` times the smoothed columns to row `y`.
+    fn add(&self, y: usize, out: &mut [L], gain: f32) {
+        let [centre, ..] = self.weights.weights;
+        let row = |y: usize| row_of(self.rows, self.grid.width.get(), self.place(y));
         let centre = L::Weight::of(gain * centre);
-        let row = |y: usize| from.get(y * width..(y + 1) * width).unwrap_or(&[]);
-        for (y, out) in (first..).zip(to.chunks_exact_mut(width)) {
-            out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
-            for (distance, weight) in self.sides() {
-                let [below, above] = mirrored(y, distance, grid.height);
-                add(out, row(below), row(above), L::Weight::of(gain * weight));
-            }
+        out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
+        for (distance, weight) in self.weights.sides() {
+            let [below, above] = mirrored(y, distance, self.grid.height);
+            add(out, row(below), row(above), L::Weight::of(gain * weight));
         }
     }
+}
+
+/// Cells of the room for a band.
+fn kept(grid: Grid) -> usize {
+    grid.width.get() * ROOM_ROWS
+}
+
+/// Rows of a band: no more bands than there is room for.
+fn rows_of_band(room: usize, grid: Grid, crew: &impl Crew) -> usize {
+    let bands = (room / kept(grid)).max(1);
+    crew.rows(grid).max(grid.height.div_ceil(bands)).max(1)
 }
 
 fn add<L: Level>(out: &mut [L], left: &[L], right: &[L], weight: L::Weight) {
@@ -130,4 +211,68 @@ fn mirrored(at: usize, distance: usize, length: usize) -> [usize; 2] {
     let below = if at >= distance { at - distance } else { distance - at - 1 };
     let above = if at + distance < length { at + distance } else { (2 * length).saturating_sub(1 + at + distance) };
     [below.min(length.saturating_sub(1)), above]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::crew::Alone;
+    use crate::plane::mask::{Mask, mask_words};
+
+    extern crate std;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// As many bands as three hands have, one after another.
+    struct Three;
+
+    impl Crew for Three {
+        fn hands(&self) -> usize {
+            3
+        }
+
+        fn each<T: Send>(&self, items: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
+            items.for_each(work);
+        }
+    }
+
+    const WIDTH: usize = 37;
+
+    fn plane(height: usize) -> Vec<f32> {
+        (0..WIDTH * height).map(|at| (at * at % 1013) as f32 / 64.0).collect()
+    }
+
+    /// The plane smoothed, sharpened, and marked above 7, in a room for so many bands.
+    fn made(weights: &Weights, height: usize, bands: usize, crew: &impl Crew) -> (Vec<f32>, Vec<f32>, Vec<bool>) {
+        let grid = Grid::of(WIDTH * height, WIDTH).expect("there are columns");
+        let (from, mut room) = (plane(height), vec![9.0; bands * ROOM_ROWS * WIDTH]);
+        let (mut smooth, mut sharp, mut words) = (vec![9.0; from.len()], from.clone(), vec![9; mask_words(from.len())]);
+        weights.apply(&from, &mut room, &mut smooth, grid, crew);
+        weights.sharpen(&mut sharp, &mut room, grid, 0.5, crew);
+        weights.mark(&from, 7.0, &mut room, MaskMut(&mut words), grid, crew);
+        (smooth, sharp, (0..from.len()).map(|at| Mask(&words).has(at)).collect())
+    }
+
+    #[test]
+    fn bands_change_no_bit() {
+        for weights in [Weights::SPLINE, Weights::gauss(0.8), Weights::gauss(3.4)] {
+            for height in [1, 2, 5, 33, 100, 300] {
+                let one = made(&weights, height, 1, &Alone);
+                for bands in [1, 2, 5, 12] {
+                    assert!(one == made(&weights, height, bands, &Three), "{height} rows, {bands} bands");
+                }
+                assert!(one.2.iter().zip(&one.0).all(|(&mark, &value)| mark == (value > 7.0)), "{height} rows");
+            }
+        }
+    }
+
+    #[test]
+    fn sharpening_takes_away_what_smoothing_leaves() {
+        for weights in [Weights::SPLINE, Weights::gauss(1.5), Weights::gauss(3.4)] {
+            let (smooth, sharp, _) = made(&weights, 50, 1, &Alone);
+            for ((from, smooth), sharp) in plane(50).iter().zip(smooth).zip(sharp) {
+                assert!((1.5 * from - 0.5 * smooth - sharp).abs() < 1e-4, "{from} {smooth} {sharp}");
+            }
+        }
+    }
 }

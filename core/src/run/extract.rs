@@ -19,6 +19,7 @@ use crate::front::outline::Front;
 use crate::plane::crew::{Alone, Crew};
 use crate::plane::field::Field;
 use crate::plane::grid::Grid;
+use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{Question, Whole};
 use crate::plane::sort::Keys;
 use crate::run::plan::{Plan, ROUNDS};
@@ -182,7 +183,8 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             }
             Stage::Photon => {
                 let field = Field { values: &*work.signal, grid };
-                self.noise.photon = photon::slope(known, field, work.fine, work.masked, Keys(work.parents, work.order));
+                self.noise.photon =
+                    photon::slope(known, field, work.fine, Mask(work.masked), Keys(work.parents, work.order));
             }
             Stage::Outline => {
                 let front = Front {
@@ -191,8 +193,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                     steps: config.outline.steps,
                 };
                 let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
-                work.front.iter_mut().zip(start).for_each(|(u, start)| *u = *start);
-                front.outline(work.fine, work.front, work.scratch, grid, crew);
+                front.outline([work.fine, start], work.labels, work.rows, grid, crew);
             }
             Stage::Tree => {
                 let inside = |at: usize| has_signal(view, at);
@@ -251,8 +252,8 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         if view.values.defined == 0 {
             return Err(Error::NothingDefined { pixels: pixels.len() });
         }
-        work.masked.fill(L::ZERO);
-        signal::mask_undefined(view, work.masked);
+        work.masked.fill(0);
+        signal::mask_undefined(view, &mut MaskMut(work.masked));
         work.mesh.fill(Sky::UNKNOWN);
         Ok(())
     }
@@ -273,6 +274,11 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         smoothed(self.config.filter, [signal, fine, smooth])
     }
 
+    /// The front, above 0 inside, by its index, once it has moved and until its pixels have become regions.
+    pub fn front(&self, at: usize) -> L {
+        self.work.labels.get(at).map_or(L::ZERO, |&bits| L::from_bits(bits))
+    }
+
     /// The planes, the mesh and the regions as the steps so far left them.
     pub fn work(&self) -> &Workspace<'m, L> {
         &self.work
@@ -285,7 +291,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             return;
         }
         let (Grid { width, height }, margin) = (self.grid, self.config.beyond_reach());
-        for (at, front) in self.work.front.iter_mut().enumerate() {
+        for (at, front) in self.work.labels.iter_mut().enumerate() {
             let (inside, (x, y)) = (inside(at), self.grid.place(at));
             let far = |margin: usize| {
                 let within = |at: usize, length: usize| (margin..length.saturating_sub(margin)).contains(&at);
@@ -293,7 +299,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             };
             let unreached = inside && margin.is_some_and(far);
             self.unreached += u32::from(unreached);
-            *front = if inside && !unreached { L::ONE } else { -L::ONE };
+            *front = if inside && !unreached { L::ONE } else { -L::ONE }.bits();
         }
         while self.next().is_some_and(Stage::is_of_front) {
             self.done += 1;

@@ -3,13 +3,15 @@
 use crate::arithmetic::{Fixed14, Level};
 use crate::error::Error;
 use crate::plane::grid::Grid;
+use crate::plane::mask::{Mask, MaskMut, mask_words};
+use crate::plane::smooth::ROOM_ROWS;
 use crate::plane::sort::Keys;
 use crate::sky::view::Known;
 use crate::sky::{Sky, mesh_cells, signal};
 use crate::sources::tree::Region;
 use crate::sources::{selection, separate};
 
-/// Nine planes of 32 bits, the mesh and the table of regions.
+/// Four planes of 32 bits, two lists as long as one, a mask, some rows, the mesh and the table of regions.
 #[derive(Debug)]
 pub struct Workspace<'m, L: Level> {
     /// W x H: signal-to-noise, in the end.
@@ -18,18 +20,16 @@ pub struct Workspace<'m, L: Level> {
     pub fine: &'m mut [L],
     /// W x H: smoothed by need.
     pub smooth: &'m mut [L],
-    /// W x H: the front, above 0 inside the outlines.
-    pub front: &'m mut [L],
-    /// W x H: 1 near sources, 0 on sky.
-    pub masked: &'m mut [L],
-    /// W x H: scratch.
-    pub scratch: &'m mut [L],
-    /// W x H: the tree; scratch.
-    pub parents: &'m mut [u32],
-    /// W x H: pixels by brightness; queue.
-    pub order: &'m mut [u32],
-    /// W x H: the labels.
+    /// W x H: the bits of the front, a [`Level`] above 0 inside the outlines; from the tree on the labels.
     pub labels: &'m mut [u32],
+    /// W x H: the tree. What sources have no pixels for is not touched, but for room to sort.
+    pub parents: &'m mut [u32],
+    /// W x H: pixels by brightness; queue. Touched as the tree is.
+    pub order: &'m mut [u32],
+    /// [`mask_words`] of the frame: the pixels near sources.
+    pub masked: &'m mut [u32],
+    /// Old and smoothed rows: [`ROOM_ROWS`] of the frame's width for each band that is worked on at a time.
+    pub rows: &'m mut [L],
     /// [`mesh_cells`] of the frame: background and noise, in the end (see [`Mesh::over`](crate::sky::Mesh::over)).
     pub mesh: &'m mut [Sky],
     /// As many as there may be peaks: [`regions`].
@@ -43,10 +43,11 @@ pub const fn regions(width: usize, height: usize) -> usize {
 
 const _: () = assert!(size_of::<Region<f32>>() == size_of::<Region<Fixed14>>());
 
-/// Bytes of a [`Workspace`] with mesh cells `cell` pixels wide: nine planes (signal, fine, smooth, front,
-/// masked, scratch, parents, order, labels), the mesh and the regions.
+/// Bytes of a [`Workspace`] for one hand with mesh cells `cell` pixels wide: four planes (signal, fine, smooth, labels)
+/// and two lists (parents, order), the mask, the rows, the mesh and the regions.
 pub const fn bytes(width: usize, height: usize, cell: usize) -> usize {
-    9 * 4 * width * height
+    6 * 4 * width * height
+        + 4 * (mask_words(width * height) + ROOM_ROWS * width)
         + mesh_cells(width, height, cell) * size_of::<Sky>()
         + regions(width, height) * size_of::<Region<f32>>()
 }
@@ -71,10 +72,17 @@ impl<L: Level> Workspace<'_, L> {
         if self.mesh.len() < needed {
             return Err(Error::Length { name: "the mesh", given: self.mesh.len(), needed });
         }
-        let levels = [&self.signal, &self.fine, &self.smooth, &self.front, &self.masked, &self.scratch];
+        let levels = [&self.signal, &self.fine, &self.smooth];
         let words = [&self.parents, &self.order, &self.labels].map(|plane| plane.len());
         let maps = [known.background, known.noise].into_iter().flatten().map(<[f32]>::len);
         let lengths = levels.map(|plane| plane.len()).into_iter().chain(words).chain(maps);
+        let rooms = [
+            ("the mask", self.masked.len(), mask_words(count)),
+            ("the rows", self.rows.len(), ROOM_ROWS.saturating_mul(width)),
+        ];
+        if let Some((name, given, needed)) = rooms.into_iter().find(|&(_, given, needed)| given < needed) {
+            return Err(Error::Length { name, given, needed });
+        }
         match { lengths }.find(|&given| given != count) {
             Some(given) => Err(Error::Length { name: "a plane or map", given, needed: count }),
             None => Ok(grid),
@@ -87,8 +95,8 @@ impl<L: Level> Workspace<'_, L> {
             signal: self.signal,
             fine: self.fine,
             smooth: self.smooth,
-            masked: self.masked,
-            scratch: self.scratch,
+            masked: MaskMut(self.masked),
+            rows: self.rows,
             keys: Keys(self.parents, self.order),
             mesh: self.mesh,
         }
@@ -99,8 +107,7 @@ impl<L: Level> Workspace<'_, L> {
         separate::Planes {
             fine: self.fine,
             smooth: self.smooth,
-            front: self.front,
-            scratch: self.scratch,
+            rows: self.rows,
             parents: self.parents,
             order: self.order,
             labels: self.labels,
@@ -113,8 +120,8 @@ impl<L: Level> Workspace<'_, L> {
         selection::Planes {
             signal: self.signal,
             matched: self.fine,
-            masked: self.masked,
-            scratch: self.scratch,
+            masked: Mask(self.masked),
+            rows: self.rows,
             keys: Keys(self.parents, self.order),
             labels: self.labels,
             regions: self.regions.get_mut(..regions).unwrap_or(&mut []),

@@ -16,6 +16,8 @@ pub const MOST_CELLS: usize = 64;
 
 /// A cell is measured where more than this many percent of its defined pixels are sky.
 const LEAST_SKY: usize = 30;
+/// Groups of rows of cells for each hand: who is done early takes another.
+const GROUPS: usize = 2;
 /// A cell is measured where more than one in so many of its pixels is sky.
 const LEAST_SHARE: usize = 64;
 
@@ -111,17 +113,17 @@ impl<'m> Mesh<'m> {
         self.measure_by(&Alone, pixels, seen, values, keys)
     }
 
-    /// The same by a crew, which takes the rows of cells where `keys` has room for [`cell_pixels`] for each of them.
+    /// The same by a crew, of which as many work as `keys` has room for, [`cell_pixels`] each.
     pub fn measure_by(
         &mut self,
         crew: &impl Crew,
         pixels: &[f32],
         seen: impl Fn(usize) -> Seen + Sync,
         values: &Values,
-        mut keys: Keys<'_>,
+        keys: Keys<'_>,
     ) -> Survey {
         let (size, grid) = (self.size, self.grid);
-        let row_of_cells = |row: usize, cells: &mut [Sky], mut keys: Keys<'_>| {
+        let row_of_cells = |row: usize, cells: &mut [Sky], keys: &mut Keys<'_>| {
             let mut told = Told::default();
             for (column, cell) in cells.iter_mut().enumerate() {
                 let mut count = Count::default();
@@ -135,18 +137,20 @@ impl<'m> Mesh<'m> {
             }
             told
         };
-        let room = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
+        let of_cell = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
+        // As many groups of rows as hands can work on, and as there is room to sort for.
+        let groups = (GROUPS * crew.hands()).min(keys.room() / of_cell.max(1)).max(1);
+        let (rows, room) = (grid.height.div_ceil(groups).max(1), (keys.room() / groups).max(1));
         let mut told = [Told::default(); MOST_CELLS];
-        let rows = self.cells.chunks_mut(grid.width.get()).zip(&mut told).enumerate();
-        if crew.hands() > 1 && room > 0 && keys.room() >= room * grid.height {
-            let Keys(keys, spare) = keys;
-            let keys = keys.chunks_mut(room).zip(spare.chunks_mut(room));
-            crew.each(rows.zip(keys), |((row, (cells, told)), (keys, spare))| {
-                *told = row_of_cells(row, cells, Keys(keys, spare));
-            });
-        } else {
-            rows.for_each(|(row, (cells, told))| *told = row_of_cells(row, cells, keys.again()));
-        }
+        let Keys(keys, spare) = keys;
+        let groups = self.cells.chunks_mut(grid.width.get() * rows).zip(told.chunks_mut(rows));
+        let groups = (0..).step_by(rows).zip(groups).zip(keys.chunks_mut(room).zip(spare.chunks_mut(room)));
+        crew.each(groups, |((first, (cells, told)), (keys, spare))| {
+            let mut keys = Keys(keys, spare);
+            for ((row, cells), told) in (first..).zip(cells.chunks_mut(grid.width.get())).zip(told) {
+                *told = row_of_cells(row, cells, &mut keys);
+            }
+        });
         self.settle(&told)
     }
 

@@ -6,6 +6,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::field::Field;
+use crate::plane::mask::Mask;
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::sort::{Keys, median};
 
@@ -18,22 +19,22 @@ const ENOUGH: usize = 100;
 
 /// The photon noise `a` of a signal-to-noise image: a pixel of brightness v has the variance
 /// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
-/// where no level has enough pixels. `fine` is the signal lightly smoothed, `masked` above 0 near
-/// sources. Cost: five looks at each pixel. While other parts of an image have yet to answer, it means nothing.
+/// where no level has enough pixels. `fine` is the signal lightly smoothed, the pixels near sources
+/// are `masked`. Cost: five looks at each pixel. While other parts of an image have yet to answer, it means nothing.
 pub fn slope<L: Level>(
     whole: Option<&dyn Whole>,
     signal: Field<'_, L>,
     fine: &[L],
-    masked: &[L],
+    masked: Mask<'_>,
     mut keys: Keys<'_>,
 ) -> f32 {
     let mut scatter = |question: Question, from: f32, to: f32| {
         let sky = question == Question::PhotonSky;
         let (from, to) = (L::of(from), L::of(to));
-        let wanted = |bright: L, mask: L| if sky { mask <= L::ZERO } else { bright >= from && bright < to };
+        let wanted = |bright: L, at: usize| if sky { !masked.has(at) } else { bright >= from && bright < to };
         let value = |at: usize| {
-            let (&bright, &mask) = fine.get(at).zip(masked.get(at))?;
-            if wanted(bright, mask) { second_difference(signal, at) } else { None }
+            let &bright = fine.get(at)?;
+            if wanted(bright, at) { second_difference(signal, at) } else { None }
         };
         let pixels = (fine.len(), signal.grid.width.get(), sky);
         let sorted = part::sorted(whole.map(|whole| (whole, question)), pixels, &mut keys, value)?;

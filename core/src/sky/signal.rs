@@ -3,6 +3,7 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
+use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
@@ -18,6 +19,8 @@ const LEPSKI: f32 = 1.7;
 const FINE: f32 = 0.8;
 /// Scale of the growth of the mask of sources, pixels.
 const GROWTH: f32 = 2.0;
+/// What is above this of the marks so smoothed is near a source.
+const NEAR: f32 = 0.2;
 
 /// The planes of these steps.
 #[derive(Debug)]
@@ -28,11 +31,11 @@ pub struct Planes<'m, L: Level> {
     pub fine: &'m mut [L],
     /// W x H: smoothed by need.
     pub smooth: &'m mut [L],
-    /// W x H: 1 near sources, 0 on sky.
-    pub masked: &'m mut [L],
-    /// W x H: scratch.
-    pub scratch: &'m mut [L],
-    /// W x H each: scratch for sorting.
+    /// The pixels near sources.
+    pub masked: MaskMut<'m>,
+    /// Room for rows.
+    pub rows: &'m mut [L],
+    /// Scratch for sorting.
     pub keys: Keys<'m>,
     /// The mesh.
     pub mesh: &'m mut [Sky],
@@ -51,8 +54,8 @@ pub fn measure<L: Level>(
     let &View { pixels, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
-    let masked = &*work.masked;
-    let seen = |at: usize| match (view.is_defined(at), masked.get(at).is_none_or(|&mask| mask <= L::ZERO)) {
+    let masked = Mask(work.masked.0);
+    let seen = |at: usize| match (view.is_defined(at), !masked.has(at)) {
         (false, _) => Seen::Undefined,
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
@@ -77,14 +80,14 @@ pub fn measure<L: Level>(
     let noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
     let (rows, mut seen_in) = (crew.rows(grid).max(1), [noise_seen; MOST_BANDS]);
     let band = (width * rows).max(1);
-    let bands = (0..).step_by(rows).zip(work.scratch.chunks_mut(band)).zip(&mut seen_in);
+    let bands = (0..).step_by(rows).zip(work.fine.chunks_mut(band)).zip(&mut seen_in);
     crew.each(bands, |((first, band), noise_seen)| {
         for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
             *noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
         }
     });
-    bridge(view, work.scratch);
-    let signal = &*work.scratch;
+    bridge(view, work.fine);
+    let signal = &*work.fine;
     let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(signal, width, y));
     crew.each((0..).step_by(rows).zip(work.signal.chunks_mut(band)), |(first, band): (usize, _)| {
         for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
@@ -176,15 +179,15 @@ fn typical(
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
 pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
     let grid = view.grid;
-    Weights::gauss(FINE).apply(work.signal, work.scratch, work.fine, grid, crew);
-    let fine = &*work.fine;
+    Weights::gauss(FINE).apply(work.signal, work.rows, work.fine, grid, crew);
+    let (fine, masked) = (&*work.fine, Mask(work.masked.0));
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Fine(round), Question::FinePowers(round)];
-    let tail = view.tail(questions, |at| value(fine, at), work.masked, work.keys.again());
-    Weights::SPLINE.apply(fine, work.scratch, work.smooth, grid, crew);
+    let tail = view.tail(questions, |at| value(fine, at), masked, work.keys.again());
+    Weights::SPLINE.apply(fine, work.rows, work.smooth, grid, crew);
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
     let questions = [Question::Details(round), Question::DetailPowers(round)];
-    let details = view.tail(questions, detail, work.masked, work.keys.again());
+    let details = view.tail(questions, detail, masked, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
     for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
         *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
@@ -223,12 +226,8 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
     for mark in marks.iter_mut().filter(|mark| **mark < source) {
         *mark = L::ZERO;
     }
-    Weights::gauss(GROWTH).apply(work.fine, work.scratch, work.masked, grid, crew);
-    let near = L::of(0.2);
-    for cell in work.masked.iter_mut() {
-        *cell = if *cell > near { L::ONE } else { L::ZERO };
-    }
-    mask_undefined(view, work.masked);
+    Weights::gauss(GROWTH).mark(work.fine, L::of(NEAR), work.rows, MaskMut(work.masked.0), grid, crew);
+    mask_undefined(view, &mut work.masked);
 }
 
 /// Marks that are looked at together.
@@ -251,13 +250,11 @@ fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) {
 }
 
 /// Masks the pixels without a signal: they would count as quiet sky.
-pub fn mask_undefined<L: Level>(view: &View<'_>, masked: &mut [L]) {
+pub fn mask_undefined(view: &View<'_>, masked: &mut MaskMut<'_>) {
     if view.is_whole() {
         return;
     }
-    for (_, mask) in masked.iter_mut().enumerate().filter(|(at, _)| !view.has_signal(*at)) {
-        *mask = L::ONE;
-    }
+    (0..view.pixels.len()).filter(|&at| !view.has_signal(at)).for_each(|at| masked.set(at));
 }
 
 #[cfg(test)]
@@ -290,11 +287,11 @@ mod tests {
             2.0, 0.0, 0.0, 0.0, 6.0,
         ];
         assert_eq!(signal, expected);
-        let mut masked = [0.0; 20];
-        mask_undefined(&view, &mut masked);
-        for (at, mask) in masked.into_iter().enumerate() {
-            assert_eq!(mask == 1.0, expected[at] == 0.0, "pixel {at}");
-            assert_eq!(view.has_signal(at), mask == 0.0);
+        let mut masked = [0];
+        mask_undefined(&view, &mut MaskMut(&mut masked));
+        for (at, signal) in expected.into_iter().enumerate() {
+            assert_eq!(Mask(&masked).has(at), signal == 0.0, "pixel {at}");
+            assert_eq!(view.has_signal(at), signal != 0.0);
         }
     }
 }

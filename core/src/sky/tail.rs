@@ -5,6 +5,8 @@
 //! that of E. A. Cornish and R. A. Fisher 1938, doi:10.2307/1400905, to the first order.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::grid::Grid;
+use crate::plane::mask::Mask;
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::sort::{Keys, median, ranked};
 
@@ -27,30 +29,30 @@ pub struct Tail<L> {
 }
 
 impl<L: Level> Tail<L> {
-    /// The tail of `value(at)` over the pixels that `masked` has as not above 0. Sources are
+    /// The tail of `value(at)` over the pixels of a plane that are not `masked`. Sources are
     /// positive: the lower half of the values gives the noise. Where the frame is `piled` up at its
     /// least value the upper half counts as much, and the skewness is measured. Of large planes a sample
     /// gives the noise. Cost: a sort of the sample; where piled, two looks at each pixel more.
-    pub fn measure(value: impl Fn(usize) -> L, masked: &[L], piled: bool, keys: Keys<'_>) -> Tail<L> {
-        Tail::asked(None, 1, value, masked, piled, keys).unwrap_or(Tail::UNKNOWN)
+    pub fn measure(value: impl Fn(usize) -> L, grid: Grid, masked: Mask<'_>, piled: bool, keys: Keys<'_>) -> Tail<L> {
+        Tail::asked(None, grid, value, masked, piled, keys).unwrap_or(Tail::UNKNOWN)
     }
 
     /// The tail of too few values.
     pub(crate) const UNKNOWN: Tail<L> = Tail { noise: L::ONE, skewness: 0.0 };
 
-    /// The same of all parts of an image, where the plane, in rows of `width`, belongs to one of them: asked by the
+    /// The same of all parts of an image, where the plane belongs to one of them: asked by the
     /// question for the noise and that for the powers. `None` while others have yet to answer.
     pub(crate) fn asked(
         whole: Option<(&dyn Whole, [Question; 2])>,
-        width: usize,
+        grid: Grid,
         value: impl Fn(usize) -> L,
-        masked: &[L],
+        masked: Mask<'_>,
         piled: bool,
         mut keys: Keys<'_>,
     ) -> Option<Tail<L>> {
-        let sky = |at: usize| masked.get(at).filter(|mask| **mask <= L::ZERO).map(|_| value(at));
+        let sky = |at: usize| (!masked.has(at)).then(|| value(at));
         let asked = whole.map(|(whole, [noise, _])| (whole, noise));
-        let sorted = part::sorted(asked, (masked.len(), width, true), &mut keys, sky)?;
+        let sorted = part::sorted(asked, (grid.cells(), grid.width.get(), true), &mut keys, sky)?;
         if sorted.len() < 16 {
             return Some(Tail::UNKNOWN);
         }
@@ -63,11 +65,11 @@ impl<L: Level> Tail<L> {
         let noise = quartile.scaled(L::Weight::of(FROM_QUARTILE));
         let skewness = match (piled, whole) {
             (false, _) => 0.0,
-            (true, None) => skewness(value, masked, noise),
+            (true, None) => skewness((0..grid.cells()).filter_map(sky), noise),
             (true, Some((whole, [_, powers]))) => {
                 let reach = noise.scaled(L::Weight::of(REACH));
                 let near = |at: usize| sky(at).filter(|value| value.magnitude() <= reach);
-                let own = || part_powers(whole.part().own(width).filter_map(near));
+                let own = || part_powers(whole.part().own(grid.width.get()).filter_map(near));
                 skewness_of(whole.sums(powers, &mut { own })?)
             }
         };
@@ -86,10 +88,9 @@ impl<L: Level> Tail<L> {
 }
 
 /// The skewness of the values within [`REACH`], from sums in the order of the pixels.
-fn skewness<L: Level>(value: impl Fn(usize) -> L, masked: &[L], noise: L) -> f32 {
+fn skewness<L: Level>(sky: impl Iterator<Item = L> + Clone, noise: L) -> f32 {
     let reach = noise.scaled(L::Weight::of(REACH));
-    let sky = || masked.iter().enumerate().filter(|(_, mask)| **mask <= L::ZERO).map(|(at, _)| value(at));
-    let near = || sky().filter(|value| value.magnitude() <= reach).map(|value| f64::from(value.to_f32()));
+    let near = || sky.clone().filter(|value| value.magnitude() <= reach).map(|value| f64::from(value.to_f32()));
     let (count, sum) = near().fold((0u32, 0.0), |(count, sum), value| (count + 1, sum + value));
     let mean = sum / f64::from(count.max(1));
     let (squares, cubes) = near()
@@ -132,9 +133,9 @@ mod tests {
     use std::vec::Vec;
 
     fn tail(values: &[f32], piled: bool) -> Tail<f32> {
-        let masked = std::vec![0.0; values.len()];
         let (mut keys, mut spare) = (std::vec![0; values.len()], std::vec![0; values.len()]);
-        Tail::measure(|at| values[at], &masked, piled, Keys(&mut keys, &mut spare))
+        let grid = Grid::of(values.len(), values.len()).expect("there are values");
+        Tail::measure(|at| values[at], grid, Mask(&[]), piled, Keys(&mut keys, &mut spare))
     }
 
     #[test]

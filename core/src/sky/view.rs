@@ -2,6 +2,7 @@
 
 use crate::arithmetic::Level;
 use crate::plane::grid::Grid;
+use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
 use crate::plane::sort::Keys;
 use crate::sky::Values;
@@ -72,11 +73,11 @@ impl<'a> View<'a> {
         &self,
         questions: [Question; 2],
         value: impl Fn(usize) -> L,
-        masked: &[L],
+        masked: Mask<'_>,
         keys: Keys<'_>,
     ) -> Tail<L> {
         let whole = self.known.whole.map(|whole| (whole, questions));
-        Tail::asked(whole, self.grid.width.get(), value, masked, self.values.piled, keys).unwrap_or(Tail::UNKNOWN)
+        Tail::asked(whole, self.grid, value, masked, self.values.piled, keys).unwrap_or(Tail::UNKNOWN)
     }
 
     /// Whether a pixel is an observation that may be used.

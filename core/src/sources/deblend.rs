@@ -5,7 +5,7 @@ use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
-use crate::plane::rows::{last_with, next_with, row_of};
+use crate::plane::rows::{last_with, next_with};
 use crate::sky::photon::grown;
 use crate::sources::tree::{Count, Noise, Region};
 use crate::sources::typical::Typical;
@@ -308,26 +308,43 @@ fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
 }
 
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
-/// pixels around it have. `before` is as long as the plane.
-pub fn straighten(labels: &mut [u32], before: &mut [u32], grid: Grid, steps: u32) {
+/// pixels around it have. `old` has room for two rows; in less than three rows no pixel has six neighbours of another.
+pub fn straighten(labels: &mut [u32], old: &mut [u32], grid: Grid, steps: u32) {
+    let width = grid.width.get();
+    let Some((mut below, rest)) = old.split_at_mut_checked(width) else { return };
+    let Some(mut own) = rest.get_mut(..width) else { return };
     for _ in 0..steps {
-        before.iter_mut().zip(labels.iter()).for_each(|(before, label)| *before = *label);
-        let width = grid.width.get();
-        for (y, row) in labels.chunks_exact_mut(width).enumerate() {
-            let rows = [y.checked_sub(1), Some(y), y.checked_add(1)];
-            let rows = rows.map(|y| y.map_or(&[][..], |y| row_of(before, width, y)));
-            for (piece, labels) in row.chunks_mut(PIECE).enumerate() {
-                let first = piece * PIECE;
-                if !is_one(rows, first, labels.len()) {
-                    straighten_piece(labels, y * width + first, before, grid);
-                }
+        let mut rest = &mut *labels;
+        for y in 0..grid.height {
+            let Some((row, above)) = rest.split_at_mut_checked(width) else { break };
+            own.iter_mut().zip(row.iter()).for_each(|(own, label)| *own = *label);
+            if let (true, Some(above)) = (y > 0, above.get(..width)) {
+                straighten_row(row, [below, own, above]);
             }
+            (below, own, rest) = (own, below, above);
         }
     }
 }
 
 /// Pixels of a row that are looked at together.
 const PIECE: usize = 16;
+
+/// Straightens a row between its neighbours, all as they were before.
+fn straighten_row(labels: &mut [u32], rows: [&[u32]; 3]) {
+    for (first, labels) in (0..).step_by(PIECE).zip(labels.chunks_mut(PIECE)) {
+        if is_one(rows, first, labels.len()) {
+            continue;
+        }
+        for (x, label) in (first..).zip(labels) {
+            let near = |row: &[u32]| row.get(x.checked_sub(1)?..)?.first_chunk::<3>().copied();
+            if let [Some(below), Some(own), Some(above)] = rows.map(near)
+                && let Some(other) = straighter([below, own, above])
+            {
+                *label = other;
+            }
+        }
+    }
+}
 
 /// Whether a piece of the middle row and all around it has one label: most of an image has none.
 fn is_one(rows: [&[u32]; 3], first: usize, length: usize) -> bool {
@@ -338,27 +355,22 @@ fn is_one(rows: [&[u32]; 3], first: usize, length: usize) -> bool {
     rows.iter().filter_map(|row| row.get(start..end)).all(all)
 }
 
-/// Straightens the pixels from index `first` on.
-fn straighten_piece(labels: &mut [u32], first: usize, before: &[u32], grid: Grid) {
-    for (at, label) in (first..).zip(labels) {
-        // Most pixels lie inside: three neighbours of their own are enough to stay.
-        let inside = [at.wrapping_sub(1), at + 1, at.wrapping_sub(grid.width.get())];
-        if inside.into_iter().all(|near| before.get(near) == Some(label)) {
-            continue;
-        }
-        let (mut same, mut other, mut others) = (0, *label, 0);
-        for near in grid.neighbours(at) {
-            let near = label_at(before, near);
-            if near == *label {
-                same += 1;
-            } else if near == other || others == 0 {
-                (other, others) = (near, others + 1);
-            }
-        }
-        if others >= 6 && same < 3 {
-            *label = other;
+/// The label that the pixel in the middle takes, if it is not its own.
+fn straighter([below, own, above]: [[u32; 3]; 3]) -> Option<u32> {
+    let ([below_left, down, below_right], [left, label, right], [above_left, up, above_right]) = (below, own, above);
+    // Most pixels lie inside: three neighbours of their own are enough to stay.
+    if [left, right, down] == [label; 3] {
+        return None;
+    }
+    let (mut same, mut other, mut others) = (0, label, 0);
+    for near in [left, right, down, up, below_left, below_right, above_left, above_right] {
+        if near == label {
+            same += 1;
+        } else if near == other || others == 0 {
+            (other, others) = (near, others + 1);
         }
     }
+    (others >= 6 && same < 3).then_some(other)
 }
 
 #[cfg(test)]

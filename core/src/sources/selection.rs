@@ -4,6 +4,7 @@ use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Select, Separate, narrow_area, part_area};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
+use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
 use crate::plane::rows::{next_with, used};
 use crate::plane::smooth::Weights;
@@ -37,10 +38,10 @@ pub struct Planes<'m, L: Level> {
     pub signal: &'m [L],
     /// The matched image, in the end.
     pub matched: &'m mut [L],
-    /// 1 near sources, 0 on sky.
-    pub masked: &'m [L],
-    /// Scratch.
-    pub scratch: &'m mut [L],
+    /// The pixels near sources.
+    pub masked: Mask<'m>,
+    /// Room for rows.
+    pub rows: &'m mut [L],
     /// Scratch for sorting.
     pub keys: Keys<'m>,
     /// The labels: 1 + the index of a region.
@@ -79,8 +80,8 @@ pub struct Kept {
 pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut {
     let grid = view.grid;
     let narrow_noise = measure_narrow(view, work, crew);
-    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
-    Weights::gauss(WIDE).sharpen(work.matched, work.scratch, grid, SHARPENING, crew);
+    Weights::gauss(MATCHED).apply(work.signal, work.rows, work.matched, grid, crew);
+    Weights::gauss(WIDE).sharpen(work.matched, work.rows, grid, SHARPENING, crew);
     measure(work);
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Matched, Question::MatchedPowers];
@@ -116,8 +117,8 @@ pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>,
 /// The peak of every region in the narrow image, and the noise of that. Leaves it in the matched plane.
 fn measure_narrow<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> f32 {
     let grid = view.grid;
-    Weights::gauss(MATCHED).apply(work.signal, work.scratch, work.matched, grid, crew);
-    Weights::gauss(NARROW_WIDE).sharpen(work.matched, work.scratch, grid, NARROW_SHARPENING, crew);
+    Weights::gauss(MATCHED).apply(work.signal, work.rows, work.matched, grid, crew);
+    Weights::gauss(NARROW_WIDE).sharpen(work.matched, work.rows, grid, NARROW_SHARPENING, crew);
     for region in work.regions.iter_mut() {
         region.offsets = (0.0, 0.0);
     }

@@ -12,7 +12,7 @@ use crate::plane::sort;
 use crate::sources::centre::{centre_on_light, shape};
 use crate::sources::deblend::{Reopening, compete, reopen, straighten};
 use crate::sources::pieces::{connect, relabel};
-use crate::sources::tree::{Count, LISTED, NONE, Noise, Region, grow, root};
+use crate::sources::tree::{Count, Noise, Region, grow, region_at, root};
 use crate::sources::typical::Typical;
 
 /// Scale of the sharpening before the tree, pixels.
@@ -35,15 +35,13 @@ pub struct Planes<'m, L: Level> {
     pub fine: &'m mut [L],
     /// Signal-to-noise smoothed by need.
     pub smooth: &'m [L],
-    /// Above 0 inside the outlines.
-    pub front: &'m [L],
-    /// Scratch.
-    pub scratch: &'m mut [L],
+    /// Room for rows.
+    pub rows: &'m mut [L],
     /// The tree; scratch.
     pub parents: &'m mut [u32],
     /// Pixels by brightness; scratch.
     pub order: &'m mut [u32],
-    /// The labels: 1 + the index of a region.
+    /// The bits of the front, above 0 inside the outlines, then the labels: 1 + the index of a region.
     pub labels: &'m mut [u32],
     /// The regions.
     pub regions: &'m mut [Region<L>],
@@ -59,37 +57,28 @@ pub fn tree<L: Level>(
     work: &mut Planes<'_, L>,
     crew: &impl Crew,
 ) -> Count {
-    Weights::gauss(SHARPNESS).sharpen(work.fine, work.scratch, grid, config.deblending.sharpening, crew);
+    Weights::gauss(SHARPNESS).sharpen(work.fine, work.rows, grid, config.deblending.sharpening, crew);
     let field = Field { values: work.fine, grid };
-    mark_inside(has_signal, work.front, work.labels);
+    mark_inside::<L>(has_signal, work.labels);
     let used = by_brightness(field, work.labels, work.order, work.parents);
     let order = work.order.get(..used).unwrap_or(&[]);
-    work.parents.fill(NONE);
     let count = grow(field, order, work.parents, work.labels, work.regions, (config, photon));
     for region in work.regions.iter_mut().take(count.regions) {
         region.centre = field.centre(region.peak as usize);
     }
-    for &at in order {
-        let root = root(work.parents, at);
-        set(work.parents, at, root);
-    }
-    // The identity of a root is read from the labels before they are written.
-    for &at in order {
-        let root = work.parents.get(at as usize).copied().unwrap_or(NONE);
-        let id = work.labels.get(root as usize).copied().unwrap_or(NONE);
-        let large = work.regions.get(id as usize).is_some_and(|region| region.area >= LEAST_AREA);
-        set(work.parents, at, if root != NONE && large { id + 1 } else { 0 });
-    }
-    work.labels.fill(0);
-    for &at in order {
-        let label = work.parents.get(at as usize).copied().unwrap_or(0);
-        set(work.labels, at, label);
+    for (rank, &at) in (0..).zip(order) {
+        let root = root(work.parents, rank);
+        let index = region_at(work.parents, root);
+        let large = work.regions.get(index).is_some_and(|region| region.area >= LEAST_AREA);
+        set(work.labels, at, if large { index as u32 + 1 } else { 0 });
     }
     count
 }
 
 /// A pixel inside the outlines that is not listed yet.
-const INSIDE: u32 = u32::MAX;
+const INSIDE: u32 = 1 << 31;
+/// One that is listed, and has no rank yet.
+const LISTED: u32 = 1 << 30;
 
 fn set(plane: &mut [u32], at: u32, to: u32) {
     if let Some(cell) = plane.get_mut(at as usize) {
@@ -97,21 +86,22 @@ fn set(plane: &mut [u32], at: u32, to: u32) {
     }
 }
 
-/// Marks the pixels inside the outlines that have a signal, and no others.
-fn mark_inside<L: Level>(has_signal: impl Fn(usize) -> bool, front: &[L], labels: &mut [u32]) {
-    for (at, (label, &front)) in labels.iter_mut().zip(front).enumerate() {
-        *label = if front > L::ZERO && has_signal(at) { INSIDE } else { 0 };
+/// Makes marks of the pixels inside the front that have a signal, and 0 of the others.
+fn mark_inside<L: Level>(has_signal: impl Fn(usize) -> bool, front: &mut [u32]) {
+    for (at, label) in front.iter_mut().enumerate() {
+        *label = if L::from_bits(*label) > L::ZERO && has_signal(at) { INSIDE } else { 0 };
     }
 }
 
 /// Lists the marked pixels, component by component so that what is looked at together lies together, each from the
-/// brightest down, of equal pixels the first in the frame first. Gives their number; `spare` is as long as the plane.
+/// brightest down, of equal pixels the first in the frame first, and marks each by 1 + its place in the list. Gives
+/// their number; `spare` is as long as the list.
 fn by_brightness<L: Level>(field: Field<'_, L>, labels: &mut [u32], order: &mut [u32], spare: &mut [u32]) -> usize {
     /// Fewer are sorted by insertion.
     const FEW: usize = 32;
     let key = |at: u32| !field.at(at as usize).key();
     let (mut listed, mut next) = (0, 0);
-    while let Some(first) = next_with(labels, next, INSIDE ^ LISTED) {
+    while let Some(first) = next_with(labels, next, INSIDE) {
         next = first + 1;
         let free = order.get_mut(listed..).unwrap_or(&mut []);
         let count = relabel((field.grid, Connectivity::Eight), first, LISTED, labels, free);
@@ -121,6 +111,9 @@ fn by_brightness<L: Level>(field: Field<'_, L>, labels: &mut [u32], order: &mut 
         } else {
             sort::by_key(component, spare, |at| at);
             sort::by_key(component, spare, key);
+        }
+        for (rank, &at) in (listed as u32 + 1..).zip(component.iter()) {
+            set(labels, at, rank);
         }
         listed += count;
     }
@@ -169,7 +162,7 @@ pub fn components<L: Level>(
     connectivity: Connectivity,
     work: &mut Planes<'_, L>,
 ) -> Count {
-    mark_inside(has_signal, work.front, work.labels);
+    mark_inside::<L>(has_signal, work.labels);
     let mut count = Count::default();
     for first in 0..work.labels.len() {
         if work.labels.get(first) != Some(&INSIDE) {
@@ -222,10 +215,10 @@ mod tests {
     /// Regions of at least three pixels by their peaks.
     fn grown(light: &[f32], order: &[u32]) -> Vec<(u32, u32)> {
         let field = Field { values: light, grid: Grid { width: NonZero::new(SIDE).expect("not 0"), height: SIDE } };
-        let (mut parents, mut ids) = (std::vec![NONE; light.len()], std::vec![0; light.len()]);
-        order.iter().for_each(|&at| ids[at as usize] = LISTED);
+        let (mut parents, mut ranks) = (std::vec![0; order.len()], std::vec![0; light.len()]);
+        (1..).zip(order).for_each(|(rank, &at)| ranks[at as usize] = rank);
         let mut regions = std::vec![Region::<f32>::BLANK; light.len() / 3];
-        let count = grow(field, order, &mut parents, &mut ids, &mut regions, (&Config::NOISE_AWARE, 0.0));
+        let count = grow(field, order, &mut parents, &ranks, &mut regions, (&Config::NOISE_AWARE, 0.0));
         let large = regions[..count.regions].iter().filter(|region| region.area >= LEAST_AREA);
         let mut large: Vec<(u32, u32)> = large.map(|region| (region.peak, region.area)).collect();
         large.sort_unstable();
@@ -237,9 +230,9 @@ mod tests {
         let light = crowd();
         let grid = Grid { width: NonZero::new(SIDE).expect("not 0"), height: SIDE };
         for threshold in [1.0, 4.0, 8.0, 16.0] {
-            let front: Vec<f32> = light.iter().map(|value| value - threshold).collect();
-            let [mut labels, mut order, mut spare] = [(); 3].map(|()| std::vec![0; light.len()]);
-            mark_inside(|_| true, &front, &mut labels);
+            let mut labels: Vec<u32> = light.iter().map(|value| (value - threshold).to_bits()).collect();
+            let [mut order, mut spare] = [(); 2].map(|()| std::vec![0; light.len()]);
+            mark_inside::<f32>(|_| true, &mut labels);
             let used = by_brightness(Field { values: &light, grid }, &mut labels, &mut order, &mut spare);
             let by_component = &order[..used];
             let mut over_all: Vec<u32> = by_component.to_vec();

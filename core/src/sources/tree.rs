@@ -109,47 +109,56 @@ pub struct Count {
 /// Of the nine pixels around a peak so many must be its own: most of them.
 const MOST: usize = 5;
 
+/// In place of a parent: the rest is the index of the region whose first pixel this is.
+const ROOT: u32 = 1 << 31;
 /// Parent of a pixel that is in no region.
-pub const NONE: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
 
-/// The root of a pixel's region; paths are halved on the way.
-pub fn root(parents: &mut [u32], mut at: u32) -> u32 {
-    let parent = |parents: &[u32], at: u32| parents.get(at as usize).copied().unwrap_or(at);
-    while parent(parents, at) != at {
-        let grand = parent(parents, parent(parents, at));
-        if let Some(cell) = parents.get_mut(at as usize) {
-            *cell = grand;
+/// The first pixel of a pixel's region, both by rank; paths are halved on the way.
+pub fn root(parents: &mut [u32], mut rank: u32) -> u32 {
+    let parent = |parents: &[u32], rank: u32| parents.get(rank as usize).copied().unwrap_or(NONE);
+    loop {
+        let near = parent(parents, rank);
+        if near & ROOT != 0 {
+            return rank;
         }
-        at = grand;
+        let far = parent(parents, near);
+        if far & ROOT != 0 {
+            return near;
+        }
+        if let Some(cell) = parents.get_mut(rank as usize) {
+            *cell = far;
+        }
+        rank = far;
     }
-    at
 }
 
-/// In place of an id: a pixel inside the outlines, listed, and not a root.
-pub const LISTED: u32 = u32::MAX - 1;
+/// The index of the region whose first pixel has this rank; beyond all tables for a pixel that is in none.
+pub fn region_at(parents: &[u32], root: u32) -> usize {
+    parents.get(root as usize).map_or(usize::MAX, |parent| (parent & !ROOT) as usize)
+}
 
-/// Grows the regions of `order`, the pixels in use from the brightest down. `parents` holds
-/// [`NONE`] everywhere, `ids` [`LISTED`] at these pixels; that of each root becomes its region; `photon` is the
+/// Grows the regions of `order`, the pixels in use, of each component from the brightest down. `ranks` has 1 + the
+/// place there of each of these pixels and 0 elsewhere, `parents` is as long as `order`; `photon` is the
 /// photon noise. Gives the
 /// number of regions, and of peaks for which none was free: they stay out.
 pub fn grow<L: Level>(
     field: Field<'_, L>,
     order: &[u32],
     parents: &mut [u32],
-    ids: &mut [u32],
+    ranks: &[u32],
     regions: &mut [Region<L>],
     (config, photon): (&Config, f32),
 ) -> Count {
     let (mut count, mut left_out) = (0, 0);
-    for &pixel in order {
+    let rank_of = |at: usize| ranks.get(at).and_then(|rank| rank.checked_sub(1));
+    for (rank, &pixel) in (0..).zip(order) {
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
         for near in field.grid.touching(at, config.connectivity.neighbours()) {
-            if parents.get(near).is_none_or(|&parent| parent == NONE) {
-                continue;
-            }
-            let root = root(parents, near as u32);
+            let Some(known) = rank_of(near).filter(|&near| near < rank && !is_out(parents, near)) else { continue };
+            let root = root(parents, known);
             if nearest.is_none_or(|(value, _)| field.at(near) > value) {
                 nearest = Some((field.at(near), root));
             }
@@ -160,32 +169,32 @@ pub fn grow<L: Level>(
                 found += 1;
             }
         }
-        let id = |ids: &[u32], root: u32| ids.get(root as usize).map_or(usize::MAX, |&id| id as usize);
+        let Some(own) = parents.get_mut(rank as usize) else { break };
         let Some((_, mut nearest)) = nearest else {
             let Some(region) = regions.get_mut(count) else {
+                *own = NONE;
                 left_out += 1;
                 continue;
             };
             *region = Region::of(pixel, value);
-            if let (Some(parent), Some(id)) = (parents.get_mut(at), ids.get_mut(at)) {
-                (*parent, *id) = (pixel, count as u32);
-            }
+            *own = ROOT | count as u32;
             count += 1;
             continue;
         };
-        let brightness = |root: u32| regions.get(id(ids, root)).map_or(L::ZERO, |region| region.value);
+        // Nothing looks at it before it has one.
+        *own = NONE;
         let roots = roots.get_mut(..found).unwrap_or(&mut []);
-        let key = |root: u32| (!brightness(root).key(), root);
-        sort::few(roots, |a, b| key(a) < key(b));
+        // By rank: that with the brightest peak comes first.
+        sort::few(roots, |a, b| a < b);
         let Some((&host, others)) = roots.split_first() else { continue };
         for &other in others {
-            let (host_id, other_id) = (id(ids, host), id(ids, other));
+            let (host_id, other_id) = (region_at(parents, host), region_at(parents, other));
             let (Some(&bright), Some(&faint)) = (regions.get(host_id), regions.get(other_id)) else { continue };
             // What is brighter is in the tree, or will be: the components are gone through one after another.
             let key = |at: usize| (!field.at(at).key(), at);
-            let foreign = |near: usize| match parents.get(near) {
-                Some(&NONE) => ids.get(near) == Some(&LISTED) && key(near) < key(at),
-                Some(_) => root(parents, near as u32) != host,
+            let foreign = |near: usize| match rank_of(near) {
+                Some(known) if known < rank && !is_out(parents, known) => root(parents, known) != host,
+                Some(_) => key(near) < key(at),
                 None => false,
             };
             if stands_apart((&config.deblending, photon), field, [&bright, &faint], value, foreign) {
@@ -213,15 +222,20 @@ pub fn grow<L: Level>(
                 nearest = host;
             }
         }
-        if let Some(parent) = parents.get_mut(at) {
+        if let Some(parent) = parents.get_mut(rank as usize) {
             *parent = nearest;
         }
-        if let Some(region) = regions.get_mut(id(ids, nearest)) {
+        if let Some(region) = regions.get_mut(region_at(parents, nearest)) {
             region.area += 1;
             region.sum = region.sum + value.times(1);
         }
     }
     Count { regions: count, left_out }
+}
+
+/// Whether a pixel that was met is in no region.
+fn is_out(parents: &[u32], rank: u32) -> bool {
+    parents.get(rank as usize).is_none_or(|&parent| parent == NONE)
 }
 
 /// Whether the fainter of two regions that meet at `saddle` is a source of its own: enough

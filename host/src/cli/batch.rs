@@ -1,11 +1,11 @@
 //! Many images in one run: each in a folder of its own, a table of all, and none stops the others.
 
+use super::arguments::Arguments;
 use super::folders::folders;
 use super::job::{guarded, plan, process};
 use super::memory::Memory;
 use super::messages::{Volume, about_input, progress_bar, report, warnings};
 use super::say::{Stderr, Stdout};
-use super::segment::Arguments;
 use super::table::{self, Facts, Row};
 use crate::workers::in_order;
 use crate::write::Products;

@@ -55,7 +55,7 @@ pub struct Measuring {
     /// Of the maps write segmentation.fits alone, without segmented.fits and front.fits.
     #[arg(long)]
     map_only: bool,
-    /// Scale of overlay.png: N picture pixels a pixel along each axis, or 1/N [default: near 1200 picture
+    /// Scale of overlay.png: N picture pixels per pixel along each axis, or 1/N [default: near 1200 picture
     /// pixels, up to 2048 for large images].
     #[arg(long, value_name = "N|1/N", conflicts_with = "no_pictures")]
     overlay_scale: Option<Zoom>,

@@ -29,7 +29,7 @@ pub fn need(config: &Config, pictures: bool, maps: usize, (width, height): Size)
     let (w, h) = (width as usize, height as usize);
     let plane = w * h * size_of::<f32>();
     // Planes beside those of the run: the image, and what its sky takes while sources are measured.
-    let (mut bytes_of_run, mut others, mut of_pictures) = (0, 0, 2);
+    let (mut bytes_of_run, mut others, mut of_pictures) = (0, 0, 4);
     if config.sky.is_known() {
         bytes_of_run += extraction::memory(config, w, h).iter().map(|(bytes, _)| bytes).sum::<usize>();
     }

@@ -2,6 +2,7 @@
 //!
 //! Results go to files, messages to stderr.
 
+mod arguments;
 mod batch;
 mod beside;
 mod budget;
@@ -21,6 +22,7 @@ mod messages;
 mod options;
 mod parameters;
 mod presets;
+mod process;
 mod reproduce;
 mod say;
 mod score;
@@ -61,8 +63,8 @@ pub struct Cli {
 enum Command {
     /// Segment images: FITS (also compressed or gzipped), PGM or 16-bit PNG.
     #[command(after_help = EXIT_CODES)]
-    Segment(Box<segment::Arguments>),
-    /// Compare the core with an independent f64 implementation of the paper, stage by stage.
+    Segment(Box<arguments::Arguments>),
+    /// Compare every step of a run with an independent f64 implementation of the paper and of the default.
     Crosscheck(Box<crosscheck::Arguments>),
     /// Run every caption of the paper's Tests 1 and 2 and print its times beside ours.
     Reproduce(reproduce::Arguments),
@@ -84,6 +86,12 @@ enum Command {
     Man(manual::ManArguments),
     /// Print the completions for a shell.
     Completions(manual::CompletionsArguments),
+}
+
+/// The whole program: the command line of this process.
+pub fn main() -> ExitCode {
+    process::prepare();
+    run(std::env::args_os())
 }
 
 /// Runs a command line, the program's name first.

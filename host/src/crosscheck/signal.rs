@@ -18,12 +18,13 @@ use crate::reference::noise_aware::{
 use crate::reference::{Plane, ReferenceError, is_beyond_reach};
 use skyfront_core::arithmetic::{Arithmetic, Level, Real};
 use skyfront_core::config::{Config, Scheme};
-use skyfront_core::front::outline::Front;
+use skyfront_core::front::outline::{Front, ROWS};
 use skyfront_core::plane::crew::Alone;
 use skyfront_core::plane::grid::Grid;
+use skyfront_core::plane::mask::Mask;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::stage::Stage;
-use skyfront_core::run::workspace::{Workspace, regions};
+use skyfront_core::run::workspace::regions;
 use skyfront_core::sky::view::Known;
 use std::collections::HashMap;
 
@@ -38,10 +39,10 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
     pixels: &[f32],
     (width, height): (usize, usize),
 ) -> Result<Vec<Difference>, CheckError> {
-    let mut room = SignalRoom::<L>::new(config, pixels.len(), (width, height), regions(width, height));
+    let mut room = SignalRoom::<L>::new(config, (pixels.len(), width), (width, height), regions(width, height), 1);
     let mut run = Extractor::new(config, pixels, width, Known::default(), room.workspace())?;
     let mut walk = Walk::new::<L>(config, *asked, pixels, width);
-    let mut before = Left::of(run.work(), asked.cell, width);
+    let mut before = Left::of(&run, asked.cell, width);
     loop {
         match run.progress() {
             Progress::Done(found) => {
@@ -50,7 +51,7 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
             }
             Progress::Next(stage) => {
                 run.poll()?;
-                let after = Left::of(run.work(), asked.cell, width);
+                let after = Left::of(&run, asked.cell, width);
                 walk.see::<L>(stage, &before, &after);
                 before = after;
             }
@@ -65,7 +66,7 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
                 )?);
                 let front = segment_in::<A>(config, &image, width, height, &mut Drive::default())?.front;
                 run.outline(|at| front[at] > 0.0);
-                let after = Left::of(run.work(), asked.cell, width);
+                let after = Left::of(&run, asked.cell, width);
                 walk.outline(&front, &after);
                 before = after;
             }
@@ -128,7 +129,8 @@ struct Seen {
 }
 
 impl Left {
-    fn of<L: Level>(work: &Workspace<'_, L>, cell: usize, width: usize) -> Left {
+    fn of<L: Level>(run: &Extractor<'_, '_, L>, cell: usize, width: usize) -> Left {
+        let work = run.work();
         let plane = |values: &[L]| {
             let value = |i: isize, j: isize| f64::from(values[j as usize * width + i as usize].to_f32());
             Plane::from_fn(width, values.len() / width, value)
@@ -150,8 +152,10 @@ impl Left {
             signal: plane(work.signal),
             fine: plane(work.fine),
             smooth: plane(work.smooth),
-            front: plane(work.front),
-            masked: work.masked.iter().map(|&mask| mask > L::ZERO).collect(),
+            front: Plane::from_fn(width, work.labels.len() / width, |i, j| {
+                f64::from(run.front(j as usize * width + i as usize).to_f32())
+            }),
+            masked: (0..work.labels.len()).map(|at| Mask(work.masked).has(at)).collect(),
             mesh,
             labels: work.labels.to_vec(),
             regions: work.regions.iter().take(most.min(work.regions.len())).map(seen).collect(),
@@ -254,7 +258,7 @@ impl Walk {
             Stage::Photon => self.photon = reference::photon_noise(&after.signal, &after.fine, &after.masked),
             Stage::Outline => self.front::<L>(before, after),
             Stage::Tree => self.tree(before, after),
-            Stage::Components => self.components(after),
+            Stage::Components => self.components(before, after),
             Stage::Deblend => self.deblend(before, after),
             Stage::Select => self.select(before, after),
             _ => {}
@@ -408,10 +412,10 @@ impl Walk {
             reference::Smoothing::ByNeed => &before.smooth,
         };
         let cells = |plane: &Plane| plane.values().iter().map(|&v| L::of(v as f32)).collect::<Vec<L>>();
-        let plane =
-            |cells: &[L]| Plane::from_fn(width, height, |i, j| cells[j as usize * width + i as usize].to_f32().into());
-        let (signal, mut u, mut rows) = (cells(&before.fine), cells(image), vec![L::ZERO; 2 * width]);
-        front.start(&mut u);
+        let level = |bits: u32| f64::from(L::from_bits(bits).to_f32());
+        let plane = |bits: &[u32]| Plane::from_fn(width, height, |i, j| level(bits[j as usize * width + i as usize]));
+        let (signal, mut u, mut rows) = (cells(&before.fine), vec![0; width * height], vec![L::ZERO; ROWS * width]);
+        front.start(&cells(image), &mut u);
         let Some(grid) = Grid::of(u.len(), width) else { return };
         let off = image.map(|v| self.grain + bit(23) * (v.abs() + 1.0));
         self.plane("u0", &plane(&u), &start(image, asked.threshold), &off);
@@ -475,8 +479,8 @@ impl Walk {
         self.notes.count("tree", pairs.filter(|(exact, core)| exact.peak != core.peak).count());
     }
 
-    fn components(&mut self, after: &Left) {
-        self.regions = reference::components(&self.inside(after), self.width, self.asked.connectivity);
+    fn components(&mut self, before: &Left, after: &Left) {
+        self.regions = reference::components(&self.inside(before), self.width, self.asked.connectivity);
         reference::drop_undefined(&mut self.regions.labels, &self.defined);
         self.notes.count("components", differing(&self.regions.labels, &after.labels));
     }

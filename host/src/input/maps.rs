@@ -33,7 +33,7 @@ pub struct Maps {
 pub enum Given {
     /// The same for all.
     Level(f32),
-    /// One value a pixel.
+    /// One value per pixel.
     Map(Place),
 }
 

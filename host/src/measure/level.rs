@@ -7,7 +7,7 @@ use std::borrow::Cow;
 pub enum Level<'a> {
     /// The same everywhere.
     Constant(f64),
-    /// One value a pixel, row-major.
+    /// One value per pixel, row-major.
     Map(Cow<'a, [f32]>),
 }
 

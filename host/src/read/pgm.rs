@@ -1,4 +1,4 @@
-//! PGM camera frames: binary (`P5`) with one or two bytes a pixel, and plain text (`P2`).
+//! PGM camera frames: binary (`P5`) with one or two bytes per pixel, and plain text (`P2`).
 
 use std::io::Read;
 

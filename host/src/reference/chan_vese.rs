@@ -1,7 +1,7 @@
 //! Active contours without edges (T. F. Chan, L. A. Vese 2001, DOI 10.1109/83.902291), with H(v) = (1 + v) / 2 for v in
 //! \[-1, 1\], v = u counted in pixels.
 
-use super::front::half_side;
+use super::initial::half_side;
 use super::plane::Around;
 use super::{Parameters, Plane};
 

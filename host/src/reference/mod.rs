@@ -3,7 +3,8 @@
 //! Source: S. Tozza, M. Falcone, "On the segmentation of astronomical images via level-set methods". Equation labels
 //! in `code` are the LaTeX labels of the paper. Every stage is a whole plane that stays available, differences are
 //! divided by dx, nothing is folded, fused or reused: the code is meant to be held beside the page. It shares no
-//! numerical code with `skyfront-core`, so that agreement of the two means something.
+//! numerical code with `skyfront-core`, so that agreement of the two means something. What the default adds to the paper
+//! is in [`noise_aware`], written from its description in `host/doc/default.md`.
 //!
 //! Where the print cannot be taken literally the correction is numbered, and the comments refer to the numbers:
 //!
@@ -26,6 +27,7 @@ mod fd_curvature;
 mod fd_filtered;
 mod filter;
 mod front;
+mod initial;
 pub mod noise_aware;
 mod normalize;
 mod otsu;
@@ -42,7 +44,8 @@ pub use arrival::{arrivals, soonest};
 pub use edge::{detector, gradient, gradient_range};
 pub use error::ReferenceError;
 pub use filter::filter_step;
-pub use front::{Ended, Evolution, at_rest, change, evolve, framed, half_side, initial, near, saturated, step};
+pub use front::{Ended, Evolution, at_rest, change, evolve, step};
+pub use initial::{framed, half_side, initial, near, saturated};
 pub use normalize::{normalize, range};
 pub use otsu::otsu;
 pub use parameters::{
@@ -108,7 +111,7 @@ pub fn run(parameters: &Parameters, pixels: &[f64], width: usize, height: usize)
 pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<Stages, ReferenceError> {
     parameters.check()?;
     let (width, height) = (u0.width(), u0.height());
-    if width < front::LEAST_SIDE || height < front::LEAST_SIDE || pixels.len() != width * height {
+    if width < initial::LEAST_SIDE || height < initial::LEAST_SIDE || pixels.len() != width * height {
         return Err(ReferenceError::Size { pixels: pixels.len(), width, height });
     }
     let p = parameters;

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::WriteError;
-use super::temporaries;
+use super::temporaries::{self, Begun};
 
 /// The files one run will write. Until [`publish`](Self::publish) they exist under temporary names only, beside their
 /// final ones; dropping the set removes them.
@@ -20,15 +20,6 @@ pub struct Products {
     begun: Vec<Begun>,
     /// Keeps other runs out of the folder, where its file system has locks.
     _lock: Option<File>,
-}
-
-/// A product that is not published yet.
-#[derive(Debug)]
-pub(super) struct Begun {
-    /// Where it is.
-    pub(super) temporary: PathBuf,
-    /// Where it will be.
-    pub(super) product: PathBuf,
 }
 
 impl Products {

@@ -6,7 +6,14 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::products::Begun;
+/// A product that is not published yet.
+#[derive(Debug)]
+pub(super) struct Begun {
+    /// Where it is.
+    pub(super) temporary: PathBuf,
+    /// Where it will be.
+    pub(super) product: PathBuf,
+}
 
 /// Names of temporary files begin and end so.
 const NAME: (&str, &str) = (".skyfront-", ".part");

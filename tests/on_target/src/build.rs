@@ -71,6 +71,17 @@ pub fn lint() -> Result<()> {
     cargo(&["clippy", "--bins"], &MACHINES, &["--", "-D", "warnings"]).context("the firmware has lints")
 }
 
+/// The core's static library for C, small as the firmware is; returns its file.
+pub fn static_library(machine: &Machine) -> Result<PathBuf> {
+    let manifest = folder().join("../../core/c/Cargo.toml");
+    let manifest = manifest.to_str().context("a path in UTF-8")?;
+    let rustc = ["rustc", "--manifest-path", manifest, "--crate-type", "staticlib", "--features", "panic-handler"];
+    let small = ["profile.release.opt-level='s'", "profile.release.lto='fat'", "profile.release.panic='abort'"];
+    let rest: Vec<&str> = small.iter().flat_map(|&line| ["--config", line]).collect();
+    cargo(&rustc, &[*machine], &rest).context("the library for C does not build")?;
+    Ok(folder().join("target").join(machine.target).join("release/libskyfront_c.a"))
+}
+
 /// Runs cargo in the firmware's folder, for machines.
 fn cargo(command: &[&str], machines: &[Machine], rest: &[&str]) -> Result<()> {
     let tools = toolchain()?;

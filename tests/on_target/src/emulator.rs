@@ -29,7 +29,15 @@ impl Drop for Emulator {
 /// line or is not there after `limit`. The message names machine, program and the last line seen.
 pub fn run(machine: &Machine, bin: &str, limit: Duration) -> Result<Report> {
     let image = build::image(machine.target, bin);
-    collect(machine, &image, limit).with_context(|| format!("{bin} on {}", machine.name))
+    run_image(machine, &image, limit).with_context(|| bin.to_owned())
+}
+
+/// The same for an image that lies elsewhere.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn run_image(machine: &Machine, image: &Path, limit: Duration) -> Result<Report> {
+    collect(machine, image, limit).with_context(|| format!("on {}", machine.name))
 }
 
 fn collect(machine: &Machine, image: &Path, limit: Duration) -> Result<Report> {

@@ -4,9 +4,10 @@
 //!
 //! - `lint`: clippy over the firmware, which is no part of the workspace;
 //! - `host`: the golden digests on this machine; with `--store`, writes them;
-//! - `digests`: the golden digests on every processor;
+//! - `digests`: the golden digests on every processor, and those of the examples in C and C++ on the Cortex-M7;
 //! - `paper`: the paper's size on the Cortex-M7;
 //! - `flight`: the example for flight computers;
+//! - `track`: what twenty windows of a star tracker take;
 //! - `resources`: flash, stack and instructions against the stored table; with `--store`, writes it.
 //!
 //! Without a part: all. Exit code 0 when all is well. A machine that is missing, hangs, or leaves
@@ -15,6 +16,7 @@
 mod build;
 mod elf;
 mod emulator;
+mod foreign;
 mod machines;
 mod report;
 mod resources;
@@ -27,11 +29,18 @@ use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper;
 use skyfront_workload::sources::Room;
+use skyfront_workload::track;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-const PARTS: [&str; 6] = ["host", "digests", "paper", "flight", "resources", "lint"];
+const PARTS: [&str; 7] = ["host", "digests", "paper", "flight", "track", "resources", "lint"];
+
+/// What the names of the digests begin with that only the examples in C and C++ print.
+const FOREIGN: &str = "c/";
+
+/// Twenty windows of 21 x 21 in single precision on the Cortex-M7: the most instructions, and bytes of stack.
+const TRACK: (u64, u64) = (2_000_000, 4096);
 
 /// How long a program may take: several times what it takes on two busy cores.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -40,7 +49,7 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
     if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
-        bail!("usage: skyfront-on-target [host|digests|paper|flight|resources|lint] [--store]");
+        bail!("usage: skyfront-on-target [host|digests|paper|flight|track|resources|lint] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
     let store = options.contains(&"--store");
@@ -50,7 +59,9 @@ fn main() -> Result<()> {
     }
     if wanted("digests") {
         build::programs(&["digests"], &MACHINES)?;
-        problems += everywhere("digests", &MACHINES, &golden()?);
+        let (foreign, own) = golden()?.into_iter().partition(|(name, _)| name.starts_with(FOREIGN));
+        problems += everywhere("digests", &MACHINES, &own);
+        problems += differing("digests of C and C++", foreign::report(LIMIT), &foreign);
     }
     if wanted("paper") {
         build::programs(&["paper_size"], &MACHINES[..1])?;
@@ -59,6 +70,10 @@ fn main() -> Result<()> {
     if wanted("flight") {
         build::programs(&["flight"], &MACHINES)?;
         problems += flight();
+    }
+    if wanted("track") {
+        build::programs(&["track"], &MEASURED)?;
+        problems += windows();
     }
     if wanted("resources") {
         build::programs(&resources::programs(), &MEASURED)?;
@@ -95,10 +110,13 @@ fn golden() -> Result<BTreeMap<String, u32>> {
 fn host(store: bool) -> Result<usize> {
     let report = here()?;
     if store {
-        let lines: String = report.digests.iter().map(|(name, crc)| format!("digest {name} {crc:08x}\n")).collect();
+        let mut digests = report.digests.clone();
+        digests.extend(golden()?.into_iter().filter(|(name, _)| name.starts_with(FOREIGN)));
+        let lines: String = digests.iter().map(|(name, crc)| format!("digest {name} {crc:08x}\n")).collect();
         std::fs::write(golden_file(), lines)?;
     }
-    let problems = report.differences(&golden()?);
+    let own = golden()?.into_iter().filter(|(name, _)| !name.starts_with(FOREIGN)).collect();
+    let problems = report.differences(&own);
     println!("digests on this machine: {} problems", problems.len());
     problems.iter().for_each(|problem| println!("  {problem}"));
     Ok(problems.len())
@@ -121,6 +139,39 @@ fn everywhere(program: &str, machines: &[Machine], expected: &BTreeMap<String, u
     total
 }
 
+/// Says what is wrong with a report; returns how much.
+fn differing(what: &str, report: Result<Report>, expected: &BTreeMap<String, u32>) -> usize {
+    let problems = match report {
+        Ok(report) => report.differences(expected),
+        Err(error) => vec![format!("{error:#}")],
+    };
+    println!("{what}: {} digests, {} problems", expected.len(), problems.len());
+    problems.iter().for_each(|problem| println!("  {problem}"));
+    problems.len()
+}
+
+/// Counts what a star tracker's windows take, and holds the Cortex-M7 to its limits.
+fn windows() -> usize {
+    let mut problems = 0;
+    for machine in &MEASURED {
+        let report = emulator::run(machine, "track", LIMIT);
+        let value = |name: &str| report.as_ref().ok()?.resources.get(name).map(|&(value, _)| value);
+        let [float, fixed, stack] =
+            ["f32/instructions", "q24/instructions", "stack"].map(|name| value(name).unwrap_or(0));
+        println!(
+            "20 windows of 21 x 21 on {}: {float} instructions in f32, {fixed} in q24, {stack} bytes of stack",
+            machine.name
+        );
+        let found = ["f32/stars", "q24/stars"].map(value) == [Some(track::STARS as u64); 2];
+        let within = machine.name != MACHINES[0].name || (float <= TRACK.0 && stack <= TRACK.1);
+        if !(found && within) {
+            println!("  not every star, or more than {} instructions or {} bytes: {report:?}", TRACK.0, TRACK.1);
+            problems += 1;
+        }
+    }
+    problems
+}
+
 /// The digests that this machine computes.
 fn here() -> Result<Report> {
     let mut report = Report::default();
@@ -130,6 +181,8 @@ fn here() -> Result<Report> {
     add::<Q11>(&mut report);
     add_sources::<f32>(&mut report);
     add_sources::<Fixed14>(&mut report);
+    add_stars::<F32>(&mut report);
+    add_stars::<Q24>(&mut report);
     let failed: Vec<&String> = report.digests.keys().filter(|name| name.ends_with("/error")).collect();
     if !failed.is_empty() {
         bail!("these runs fail on this machine: {failed:?}");
@@ -156,6 +209,12 @@ fn add<A: Arithmetic>(report: &mut Report) {
 fn add_sources<L: Level>(report: &mut Report) {
     let mut room = Box::new(Room::<L>::BLANK);
     room.all(|name, crc| {
+        report.digest(name.join("/"), crc);
+    });
+}
+
+fn add_stars<A: Arithmetic>(report: &mut Report) {
+    Box::new(track::Room::BLANK).all::<A>(|name, crc| {
         report.digest(name.join("/"), crc);
     });
 }

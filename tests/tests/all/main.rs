@@ -3,6 +3,7 @@
 
 mod agreement;
 mod budget;
+mod c;
 mod catalogue;
 mod chan_vese;
 mod cli;
@@ -44,6 +45,7 @@ mod sources;
 mod speed;
 mod symmetry;
 mod thresholds;
+mod track;
 mod upsets;
 mod wrappings;
 mod zoo;

@@ -14,3 +14,4 @@ pub mod paper;
 pub mod report;
 pub mod run;
 pub mod sources;
+pub mod track;

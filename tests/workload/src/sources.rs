@@ -5,8 +5,12 @@ use crate::case;
 use skyfront_core::arithmetic::Level;
 use skyfront_core::arithmetic::digest;
 use skyfront_core::config::Config;
-use skyfront_core::run::extract::{Found, extract};
+use skyfront_core::error::Error;
+use skyfront_core::plane::mask::mask_words;
+use skyfront_core::plane::smooth::ROOM_ROWS;
+use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::frame::Frame;
+use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{CELL, Sky, mesh_cells};
@@ -18,12 +22,14 @@ const WIDTH: usize = 100;
 const HEIGHT: usize = 72;
 const PIXELS: usize = WIDTH * HEIGHT;
 
-/// All memory of a run, half a megabyte.
+/// All memory of a run, some 0.3 megabytes.
 #[derive(Debug)]
 pub struct Room<L: Level> {
     pixels: [f32; PIXELS],
-    levels: [[L; PIXELS]; 6],
+    levels: [[L; PIXELS]; 3],
     words: [[u32; PIXELS]; 3],
+    masked: [u32; mask_words(PIXELS)],
+    rows: [L; ROOM_ROWS * WIDTH],
     mesh: [Sky; mesh_cells(WIDTH, HEIGHT, CELL)],
     regions: [Region<L>; regions(WIDTH, HEIGHT)],
 }
@@ -32,8 +38,10 @@ impl<L: Level> Room<L> {
     /// Memory of zeros, which costs no flash.
     pub const BLANK: Room<L> = Room {
         pixels: [0.0; PIXELS],
-        levels: [[L::BLANK; PIXELS]; 6],
+        levels: [[L::BLANK; PIXELS]; 3],
         words: [[0; PIXELS]; 3],
+        masked: [0; mask_words(PIXELS)],
+        rows: [L::BLANK; ROOM_ROWS * WIDTH],
         mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT, CELL)],
         regions: [Region::BLANK; regions(WIDTH, HEIGHT)],
     };
@@ -49,21 +57,38 @@ impl<L: Level> Room<L> {
     }
 
     fn one(&mut self, mut tell: impl FnMut(&str, u32)) {
-        let [signal, fine, smooth, front, masked, scratch] = &mut self.levels;
-        let [parents, order, labels] = &mut self.words;
-        let (mesh, regions) = (&mut self.mesh, &mut self.regions);
-        let work = Workspace { signal, fine, smooth, front, masked, scratch, parents, order, labels, mesh, regions };
-        match extract(&Config::NOISE_AWARE, &self.pixels, WIDTH, Known::default(), work) {
-            Ok(found) => tell("found", found_digest(&found)),
-            Err(_) => tell("error", 0),
-        }
-        let [signal, _, smooth, front, ..] = &self.levels;
-        let [.., labels] = &self.words;
+        let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
+        let Room { pixels, masked, rows, mesh, regions, .. } = self;
+        let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
+        let front = match run(pixels, work) {
+            Ok((found, front)) => {
+                tell("found", found_digest(&found));
+                front
+            }
+            Err(_) => {
+                tell("error", 0);
+                0
+            }
+        };
+        let ([signal, _, smooth], [.., labels]) = (&self.levels, &self.words);
         tell("mesh", words(self.mesh.iter().flat_map(|sky| [sky.level, sky.noise]).map(f32::to_bits)));
         tell("signal", digest::of_cells(signal));
         tell("smooth", digest::of_cells(smooth));
-        tell("front", digest::of_cells(front));
+        tell("front", front);
         tell("labels", words(labels.iter().copied()));
+    }
+}
+
+/// What a run found, and the digest of its front, of which the labels take the place.
+fn run<L: Level>(pixels: &[f32], work: Workspace<'_, L>) -> Result<(Found, u32), Error> {
+    let mut run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work)?;
+    let mut front = 0;
+    loop {
+        match run.poll()? {
+            Progress::Next(Stage::Tree) => front = words(run.work().labels.iter().copied()),
+            Progress::Done(found) => return Ok((found, front)),
+            _ => {}
+        }
     }
 }
 

@@ -274,7 +274,7 @@ fn coding(header: &Header) -> Result<Coding, Fault> {
     }
 }
 
-/// Undoes gzip; at most eight bytes a pixel are taken.
+/// Undoes gzip; at most eight bytes per pixel are taken.
 fn gunzip(bytes: &[u8], count: usize) -> Result<Vec<u8>, &'static str> {
     let mut out = Vec::new();
     let limit = count as u64 * 8 + 1;

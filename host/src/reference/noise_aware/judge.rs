@@ -48,27 +48,34 @@ impl Judge {
 }
 
 /// How often an open decision is turned, at most.
-const MOST: usize = 400;
+const MOST: usize = 2000;
 
 /// Of the results of `run` that roundings allow one that has the least `distance`: open decisions are turned one after
-/// the other, also back again, and stay so where that brings the result nearer.
+/// the other, and stay so where that brings the result nearer; once more all of them, also back again, until none does.
 pub fn nearest<T>(slack: Slack, run: impl Fn(&Judge) -> T, distance: impl Fn(&T) -> usize) -> T {
     let judged = |turned: &BTreeSet<Question>| {
         let judge = Judge { slack, turned: turned.clone(), open: RefCell::default() };
         let result = run(&judge);
         (distance(&result), result, judge.open.into_inner())
     };
-    let (mut turned, mut tried) = (BTreeSet::new(), BTreeSet::new());
+    let (mut turned, mut tried, mut is_nearer) = (BTreeSet::new(), BTreeSet::new(), false);
     let (mut best, mut result, mut open) = judged(&turned);
     for _ in 0..MOST {
-        let next = open.iter().copied().find(|question| !tried.contains(question));
-        let Some(next) = next.filter(|_| best > 0) else { break };
+        if best == 0 {
+            break;
+        }
+        let Some(next) = open.iter().copied().find(|question| !tried.contains(question)) else {
+            if !is_nearer {
+                break;
+            }
+            (tried, is_nearer) = (BTreeSet::new(), false);
+            continue;
+        };
         tried.insert(next);
         let other: BTreeSet<Question> = turned.symmetric_difference(&BTreeSet::from([next])).copied().collect();
         let (now, nearer, others) = judged(&other);
         if now < best {
-            // What was tried before may be of use now.
-            (best, result, open, turned, tried) = (now, nearer, others, other, BTreeSet::from([next]));
+            (best, result, open, turned, is_nearer) = (now, nearer, others, other, true);
         }
     }
     result
@@ -94,5 +101,23 @@ mod tests {
         let twice = |judge: &Judge| [judge.exceeds(1.0, 1.0 + 1e-9), judge.exceeds(1.0, 1.0 + 1e-9)];
         assert_eq!(nearest(slack, twice, |found| found.iter().filter(|found| !**found).count()), [true, true]);
         assert_eq!(towards([true, true, false, false]), [false, true, true, false], "what is clear stays");
+    }
+
+    /// Decisions that are all wrong at first, and one that is of use only when the last of them is turned.
+    #[test]
+    fn many_decisions_take_few_runs() {
+        const MANY: usize = 300;
+        let runs = std::cell::Cell::new(0);
+        let run = |judge: &Judge| {
+            runs.set(runs.get() + 1);
+            (0..MANY).filter(|&n| judge.exceeds(n as f64, n as f64 + 1e-9)).collect::<Vec<_>>()
+        };
+        let slack = Slack { relative: 0.0, absolute: 1e-6 };
+        let distance = |right: &Vec<usize>| {
+            let left = MANY - 1 - right.iter().filter(|&&n| n > 0).count();
+            left + usize::from(left > 0 || right.first() != Some(&0))
+        };
+        assert_eq!(nearest(slack, run, distance).len(), MANY);
+        assert!(runs.get() <= 2 * MANY + 1, "{} runs", runs.get());
     }
 }

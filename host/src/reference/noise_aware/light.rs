@@ -89,11 +89,12 @@ pub fn nearest(image: &Plane, place: Place) -> Option<usize> {
     Some(round(place.1) * image.width() + round(place.0))
 }
 
-/// The nearest whole part of 256 of a pixel. The offset is a quotient by `divisor`.
+/// The nearest whole part of 256 of a pixel, halves away from 0. The offset is a quotient by `divisor`.
 pub fn to_part(offset: f64, divisor: f64, judge: &Judge) -> f64 {
-    let below = (256.0 * offset).floor();
+    let below = (256.0 * offset.abs()).floor();
     let border = (below + 0.5) / 256.0;
-    (below + f64::from(u8::from(judge.exceeds_of(0.25 + 0.25 / divisor, offset, border) || offset == border))) / 256.0
+    let is_below = judge.exceeds_of(0.25 + 0.25 / divisor, border, offset.abs());
+    (if is_below { below } else { below + 1.0 } / 256.0).copysign(offset)
 }
 
 /// The vertex of the parabolas through a pixel and its neighbours along each axis.
@@ -108,4 +109,23 @@ pub fn vertex(image: &Plane, at: usize, judge: &Judge) -> Place {
         at as f64 + off
     };
     (off(v.w, v.e, x, width), off(v.s, v.n, y, height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::noise_aware::{Slack, nearest};
+
+    #[test]
+    fn halves_go_outwards_and_either_way_where_roundings_may_have_moved_them() {
+        let exact = |offset: f64| 256.0 * to_part(offset / 256.0, 1.0, &Judge::exact());
+        assert_eq!([2.5, -2.5, 2.49, -2.51, 0.0, -0.2].map(exact), [3.0, -3.0, 2.0, -3.0, 0.0, 0.0]);
+        let slack = Slack { relative: 0.0, absolute: 1e-6 };
+        for offset in [2.5, -2.5, 2.500_01, -2.499_99] {
+            for wanted in [2.0, 3.0] {
+                let run = |judge: &Judge| 256.0 * to_part(offset / 256.0, 1.0, judge).abs();
+                assert_eq!(nearest(slack, run, |part| usize::from(*part != wanted)), wanted, "{offset}");
+            }
+        }
+    }
 }

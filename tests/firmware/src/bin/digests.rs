@@ -9,11 +9,13 @@ use skyfront_firmware::machine::{Console, Once, Processor};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::report;
 use skyfront_workload::sources::Room;
+use skyfront_workload::track;
 
 static FLOAT: Once<Planes<F32<Processor>>> = Once::new(Planes::ZERO);
 static WIDE: Once<Planes<Q24>> = Once::new(Planes::ZERO);
 static NARROW: Once<Planes<Q11>> = Once::new(Planes::ZERO);
 static SOURCES: Once<Room<f32>> = Once::new(Room::BLANK);
+static TRACK: Once<track::Room> = Once::new(track::Room::BLANK);
 static WIDE_SOURCES: Once<Room<Fixed14>> = Once::new(Room::BLANK);
 
 entry!(run);
@@ -25,6 +27,9 @@ fn run(mut line: Console) {
     all(&mut line, NARROW.take());
     SOURCES.take().all(|name, crc| report::digest(&mut line, name, crc));
     WIDE_SOURCES.take().all(|name, crc| report::digest(&mut line, name, crc));
+    let stars = TRACK.take();
+    stars.all::<F32<Processor>>(|name, crc| report::digest(&mut line, name, crc));
+    stars.all::<Q24>(|name, crc| report::digest(&mut line, name, crc));
     report::done(&mut line);
 }
 

@@ -1,0 +1,62 @@
+/* A star tracker in C11: stars in windows of a frame as it lies in the camera's buffer. */
+
+#include "skyfront.h"
+#include <stdio.h>
+
+enum { WIDTH = 96, HEIGHT = 72, STRIDE = 100, STARS = 12, SIDE = 15 };
+
+static uint16_t frame[HEIGHT * STRIDE];
+
+/* The light of a star on 5 x 5 pixels, in hundredths of its peak: off its middle pixel, up and to the right. */
+static const uint16_t light[5][5] = {
+  {2, 5, 7, 5, 2}, {8, 24, 33, 24, 8}, {15, 51, 84, 56, 19}, {13, 45, 76, 51, 17}, {5, 19, 31, 21, 7},
+};
+
+/* Draws a sky of 100 counts with noise, and stars that grow brighter from the first to the last. */
+static void draw(void)
+{
+  uint32_t state = 7;
+  for (uint32_t at = 0; at < HEIGHT * STRIDE; at++) {
+    state = state * UINT32_C(1664525) + UINT32_C(1013904223);
+    frame[at] = (uint16_t)(92 + (state >> 28));
+  }
+  for (uint32_t star = 0; star < STARS; star++) {
+    uint32_t column = 10 + star % 4 * 24, row = 10 + star / 4 * 24, peak = 200 + star * 250;
+    for (uint32_t y = 0; y < 5; y++) {
+      for (uint32_t x = 0; x < 5; x++) {
+        frame[(row + y) * STRIDE + column + x] += (uint16_t)(light[y][x] * peak / 100);
+      }
+    }
+  }
+}
+
+int main(void)
+{
+  const skyfront_camera camera = {.black = 64, .gain = 2, .read_noise = 7, .saturation = 4095, .psf_sigma = 1.1f};
+  const skyfront_bad_pixel bad[] = {{.x = 11, .y = 13}};
+  skyfront_window windows[STARS];
+  skyfront_star stars[STARS];
+  if (skyfront_interface() != SKYFRONT_INTERFACE) {
+    return 1;
+  }
+  draw();
+  for (uint32_t star = 0; star < STARS; star++) {
+    windows[star] = (skyfront_window){
+      .x = (float)(11 + star % 4 * 24), .y = (float)(13 + star / 4 * 24), .width = SIDE, .height = SIDE,
+    };
+  }
+  int32_t error = skyfront_track_u16(frame, WIDTH, HEIGHT, STRIDE, &camera, windows, STARS, bad, 1, stars);
+  if (error != SKYFRONT_OK) {
+    printf("error %s\n", skyfront_error_text(error));
+    return 1;
+  }
+  unsigned long found = 0;
+  for (uint32_t star = 0; star < STARS; star++) {
+    found += (stars[star].flags & SKYFRONT_STAR_LOST) == 0;
+  }
+  printf("resource stars %lu stars\n", found);
+  /* The records are the same bytes on every little-endian machine. */
+  printf("digest c/track/stars %08lx\n", (unsigned long)skyfront_crc32((const uint8_t *)stars, sizeof stars));
+  printf("done\n");
+  return 0;
+}

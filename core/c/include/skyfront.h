@@ -1,0 +1,555 @@
+/* Skyfront for C11 and C++17: star windows and segmentation, without allocation, in the caller's memory.
+ *
+ * Made by cbindgen from core/c/src; do not edit. Every function can be called from any thread, as long as no two
+ * calls use the same memory at the same time. Rows are row-major; pixel centres have whole coordinates from (0, 0).
+ * What is not 0 among the results is one of SKYFRONT_ERROR_..., which keep their numbers for ever.
+ */
+
+#ifndef SKYFRONT_H
+#define SKYFRONT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Bytes that are enough for a run: for memory that is static. skyfront_run_bytes() tells them at run time. */
+#define SKYFRONT_RUN_BYTES(width, height, sources)                                                  \
+  (SKYFRONT_RUN_FIXED_BYTES + (size_t)8 * (width) * (height) + (size_t)60 * (width)                 \
+   + (size_t)((height) / 8 + 1) * ((width) / 16 + 2) + (size_t)SKYFRONT_SOURCE_BYTES * (sources))
+
+/*
+ The version of the interface: numbers and records of one version stay as they are.
+ */
+#define SKYFRONT_INTERFACE 1
+
+/*
+ No error.
+ */
+#define SKYFRONT_OK 0
+
+/*
+ A parameter is out of its bounds.
+ */
+#define SKYFRONT_ERROR_PARAMETER 1
+
+/*
+ The image has an unsupported size.
+ */
+#define SKYFRONT_ERROR_SIZE 2
+
+/*
+ Memory or an array is too short.
+ */
+#define SKYFRONT_ERROR_LENGTH 3
+
+/*
+ No pixel is a finite number.
+ */
+#define SKYFRONT_ERROR_NOTHING_DEFINED 4
+
+/*
+ All pixels are equal.
+ */
+#define SKYFRONT_ERROR_CONSTANT 5
+
+/*
+ No part of the frame has enough pixels to measure its sky.
+ */
+#define SKYFRONT_ERROR_NO_SKY 6
+
+/*
+ The pixels show no noise.
+ */
+#define SKYFRONT_ERROR_NO_NOISE 7
+
+/*
+ The arithmetic cannot serve a setting.
+ */
+#define SKYFRONT_ERROR_ARITHMETIC 8
+
+/*
+ Two settings cannot go together.
+ */
+#define SKYFRONT_ERROR_TOGETHER 9
+
+/*
+ The scheme is not moved in slices.
+ */
+#define SKYFRONT_ERROR_FRONT 10
+
+/*
+ Other parts of the image have yet to answer.
+ */
+#define SKYFRONT_ERROR_WAITING 11
+
+/*
+ The memory of the run was changed between two calls.
+ */
+#define SKYFRONT_ERROR_CORRUPTED 12
+
+/*
+ The frame failed to deliver a row.
+ */
+#define SKYFRONT_ERROR_FRAME 13
+
+/*
+ A pointer is null or not aligned.
+ */
+#define SKYFRONT_ERROR_POINTER 14
+
+/*
+ There is no preset of this number.
+ */
+#define SKYFRONT_ERROR_PRESET 15
+
+/*
+ There is no setting of this name, or none with this value.
+ */
+#define SKYFRONT_ERROR_SETTING 16
+
+/*
+ The run has not ended yet.
+ */
+#define SKYFRONT_ERROR_NOT_DONE 17
+
+/*
+ There is no row or source of this number.
+ */
+#define SKYFRONT_ERROR_INDEX 18
+
+/*
+ The paper's setting for frames that are nearly noiseless.
+ */
+#define SKYFRONT_PRESET_PAPER_F160 1
+
+/*
+ The paper's setting for real frames.
+ */
+#define SKYFRONT_PRESET_PAPER_REAL 2
+
+/*
+ Bytes of a run beside its planes, rows and sources, at most.
+ */
+#define SKYFRONT_RUN_FIXED_BYTES 4096
+
+/*
+ Bytes of a source in a run's memory, at most.
+ */
+#define SKYFRONT_SOURCE_BYTES 112
+
+/*
+ The window reaches beyond the frame, so that it is cut off.
+ */
+#define SKYFRONT_STAR_EDGE 1
+
+/*
+ A pixel of the star reaches the camera's saturation; it is left out.
+ */
+#define SKYFRONT_STAR_SATURATED 2
+
+/*
+ A pixel of the star is listed as bad or is brighter than its neighbours allow; it is left out.
+ */
+#define SKYFRONT_STAR_HOT 4
+
+/*
+ Another source is near the star.
+ */
+#define SKYFRONT_STAR_BLENDED 8
+
+/*
+ No star is in the window: place as predicted, infinite variances.
+ */
+#define SKYFRONT_STAR_LOST 16
+
+/*
+ A run, in the caller's memory.
+ */
+typedef struct skyfront_run skyfront_run;
+
+/*
+ A setting by its name, as `skyfront parameters` lists them: {"t-max", "30"}.
+ */
+typedef struct skyfront_setting {
+  /*
+   The name.
+   */
+  const char *name;
+  /*
+   The value.
+   */
+  const char *value;
+} skyfront_setting;
+
+/*
+ What a run is to do.
+ */
+typedef struct skyfront_setup {
+  /*
+   SKYFRONT_PRESET_...
+   */
+  uint32_t preset;
+  /*
+   Columns of the frame.
+   */
+  size_t width;
+  /*
+   Rows of the frame.
+   */
+  size_t height;
+  /*
+   The most sources that are catalogued; more are counted.
+   */
+  size_t sources;
+  /*
+   Settings other than the preset's; null for none.
+   */
+  const struct skyfront_setting *settings;
+  /*
+   How many.
+   */
+  size_t setting_count;
+} skyfront_setup;
+
+/*
+ How far a run is, and at its end what it found.
+ */
+typedef struct skyfront_progress {
+  /*
+   1 when all is done, else 0.
+   */
+  uint32_t done;
+  /*
+   Rows of work done.
+   */
+  uint32_t rows;
+  /*
+   The most rows of work that there can be.
+   */
+  uint32_t most_rows;
+  /*
+   Steps that the front took; 0 before the end, as all that follows.
+   */
+  uint32_t steps;
+  /*
+   Sources.
+   */
+  uint32_t sources;
+  /*
+   Sources in the catalogue; fewer where it was too short.
+   */
+  uint32_t catalogued;
+  /*
+   Pixels inside the outlines.
+   */
+  uint32_t mask_pixels;
+  /*
+   Pixels inside the outlines without a label, because the table of labels was full.
+   */
+  uint32_t unlabelled;
+} skyfront_progress;
+
+/*
+ Writes row `y` of the frame, `width` pixels, to `out` and returns 0; another number stops the call, which can
+ be made again. A pixel that is not finite is undefined.
+ */
+typedef int32_t (*skyfront_row)(void *context,
+                                size_t y,
+                                float *out,
+                                size_t width);
+
+/*
+ A source: the mean of its pixels' places weighted by their light, and its ellipse.
+ */
+typedef struct skyfront_source {
+  /*
+   Its label in the map, from 1.
+   */
+  uint32_t label;
+  /*
+   Pixels.
+   */
+  uint32_t area;
+  /*
+   Column of the centre, pixels.
+   */
+  float x;
+  /*
+   Row of the centre, pixels.
+   */
+  float y;
+  /*
+   Sum of its pixels, counts.
+   */
+  float sum;
+  /*
+   Its greatest pixel, counts.
+   */
+  float peak;
+  /*
+   Root mean square along the major axis, pixels.
+   */
+  float a;
+  /*
+   Root mean square along the minor axis, pixels.
+   */
+  float b;
+  /*
+   From the x axis to the major axis, radians.
+   */
+  float theta;
+  /*
+   First and last column.
+   */
+  uint32_t columns[2];
+  /*
+   First and last row.
+   */
+  uint32_t rows[2];
+} skyfront_source;
+
+/*
+ What is known of the camera.
+ */
+typedef struct skyfront_camera {
+  /*
+   The value of a pixel without light, counts, 0 to 65536.
+   */
+  float black;
+  /*
+   Electrons per count, 0.001 to 10^6.
+   */
+  float gain;
+  /*
+   Noise of a pixel without light, electrons, 0 to 10^6.
+   */
+  float read_noise;
+  /*
+   Pixels from this value on are saturated, counts, 0 to 65536.
+   */
+  float saturation;
+  /*
+   Standard deviation of a star's image, pixels, 0.5 to 3.
+   */
+  float psf_sigma;
+} skyfront_camera;
+
+/*
+ Where a star is expected, and how far around to look.
+ */
+typedef struct skyfront_window {
+  /*
+   Predicted column of the star, pixels.
+   */
+  float x;
+  /*
+   Predicted row of the star, pixels.
+   */
+  float y;
+  /*
+   Columns, 8 to 64.
+   */
+  uint16_t width;
+  /*
+   Rows, 8 to 64.
+   */
+  uint16_t height;
+} skyfront_window;
+
+/*
+ A pixel that is never to be used.
+ */
+typedef struct skyfront_bad_pixel {
+  /*
+   Its column.
+   */
+  uint16_t x;
+  /*
+   Its row.
+   */
+  uint16_t y;
+} skyfront_bad_pixel;
+
+/*
+ What a window holds, in 32 bytes.
+ */
+typedef struct skyfront_star {
+  /*
+   Column of the centre, pixels.
+   */
+  float x;
+  /*
+   Row of the centre, pixels.
+   */
+  float y;
+  /*
+   All light of the star, counts.
+   */
+  float flux;
+  /*
+   The flux over its standard deviation.
+   */
+  float snr;
+  /*
+   Variance of x, pixels squared.
+   */
+  float errx2;
+  /*
+   Variance of y, pixels squared.
+   */
+  float erry2;
+  /*
+   Covariance of x and y, pixels squared.
+   */
+  float errxy;
+  /*
+   SKYFRONT_STAR_... together.
+   */
+  uint32_t flags;
+} skyfront_star;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ The version of the interface that the library has; compare it with `SKYFRONT_INTERFACE`.
+ */
+uint32_t skyfront_interface(void);
+
+/*
+ CRC-32 (IEEE 802.3, as in zlib) of bytes; 0 for a null pointer.
+
+ # Safety
+ `bytes` points to `count` readable bytes.
+ */
+uint32_t skyfront_crc32(const uint8_t *bytes,
+                        size_t count);
+
+/*
+ What a number says, as a text that stays; "unknown error" for a number that is none.
+ */
+const char *skyfront_error_text(int32_t error);
+
+/*
+ Bytes that a run needs; 0 where they cannot be counted.
+ */
+size_t skyfront_run_bytes(size_t width,
+                          size_t height,
+                          size_t sources);
+
+/*
+ Sets up a run in `memory` of at least `skyfront_run_bytes()` bytes, which belongs to the run from now on and
+ must not be moved; there is nothing to be freed. `run` takes the run, `message` (null for none) what is wrong
+ in words, cut to `message_bytes`.
+
+ # Safety
+ `memory` points to `bytes` bytes, `setup` to a setup whose settings are texts that end with a zero, `run` to a
+ pointer, `message` to `message_bytes` bytes.
+ */
+int32_t skyfront_run_start(void *memory,
+                           size_t bytes,
+                           const struct skyfront_setup *setup,
+                           struct skyfront_run **run,
+                           char *message,
+                           size_t message_bytes);
+
+/*
+ Does at most `rows` rows of the run on a frame of 16 bits per pixel, in the processor's byte order, whose rows
+ are `stride` pixels apart. The same results come out whatever the slices. `progress` may be null.
+
+ # Safety
+ `run` was started; `pixels` points to `stride * (height - 1) + width` pixels, the same in every call of a run.
+ */
+int32_t skyfront_run_poll_u16(struct skyfront_run *run,
+                              size_t rows,
+                              const uint16_t *pixels,
+                              size_t stride,
+                              struct skyfront_progress *progress);
+
+/*
+ The same on a frame of 8 bits per pixel.
+
+ # Safety
+ As for `skyfront_run_poll_u16`.
+ */
+int32_t skyfront_run_poll_u8(struct skyfront_run *run,
+                             size_t rows,
+                             const uint8_t *pixels,
+                             size_t stride,
+                             struct skyfront_progress *progress);
+
+/*
+ The same on rows that a function delivers, whenever they are asked for and always the same; `context` is passed
+ on to it. When it returns another number than 0 the result is SKYFRONT_ERROR_FRAME.
+
+ # Safety
+ `run` was started; `row` writes no more than it is asked for, and does not touch the run.
+ */
+int32_t skyfront_run_poll_rows(struct skyfront_run *run,
+                               size_t rows,
+                               skyfront_row row,
+                               void *context,
+                               struct skyfront_progress *progress);
+
+/*
+ Row `y` of the map of labels of a run that has ended, `width` of them; 0 is the background.
+
+ # Safety
+ `run` was started; `labels` points to as many numbers as the frame has columns.
+ */
+int32_t skyfront_run_labels(const struct skyfront_run *run,
+                            size_t y,
+                            uint32_t *labels);
+
+/*
+ A source of a run that has ended, `index` counting from 0.
+
+ # Safety
+ `run` was started; `source` points to a source.
+ */
+int32_t skyfront_run_source(const struct skyfront_run *run,
+                            size_t index,
+                            struct skyfront_source *source);
+
+/*
+ Centres the brightest star of each window on a frame of 16 bits per pixel, in the processor's byte order.
+ `stride` is the number of pixels from one row to the next; `stars` takes a record for each window. After an
+ error nothing has been written.
+
+ # Safety
+ `pixels` points to `stride * (height - 1) + width` pixels, `camera` to a camera, `windows`, `bad_pixels` and
+ `stars` to as many elements as there are windows, bad pixels and windows.
+ */
+int32_t skyfront_track_u16(const uint16_t *pixels,
+                           size_t width,
+                           size_t height,
+                           size_t stride,
+                           const struct skyfront_camera *camera,
+                           const struct skyfront_window *windows,
+                           size_t window_count,
+                           const struct skyfront_bad_pixel *bad_pixels,
+                           size_t bad_pixel_count,
+                           struct skyfront_star *stars);
+
+/*
+ The same on a frame of 8 bits per pixel.
+
+ # Safety
+ As for `skyfront_track_u16`.
+ */
+int32_t skyfront_track_u8(const uint8_t *pixels,
+                          size_t width,
+                          size_t height,
+                          size_t stride,
+                          const struct skyfront_camera *camera,
+                          const struct skyfront_window *windows,
+                          size_t window_count,
+                          const struct skyfront_bad_pixel *bad_pixels,
+                          size_t bad_pixel_count,
+                          struct skyfront_star *stars);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* SKYFRONT_H */

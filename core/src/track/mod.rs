@@ -1,0 +1,157 @@
+//! Stars in windows: where a star tracker expects them, to a fraction of a pixel, with their errors.
+//!
+//! [`track`] takes predicted places and gives one [`Star`] for each. The centre is that of a Gaussian window,
+//! the PSF's, moved until the window sees the star in its middle. Each pixel counts by its noise, sky and
+//! star together, and what the window would see of a star that is exactly in its middle is taken off, so that
+//! neither coarse sampling nor pixels left out draw the centre aside. That is Fisher scoring (S. M. Kay,
+//! Fundamentals of Statistical Signal Processing: Estimation Theory, 1993, section 7.7) for a Gaussian of
+//! known width over a level sky, and the errors are the inverse of its information: for such stars of S/N
+//! above 20 the error is at most 1.15 of the Cramer-Rao bound at a width of 0.7 to 1.5 pixels, and within
+//! 10 % of what the covariance says.
+//!
+//! Work per window: the border 16 times (8 for a byte per pixel), the window three times, and at most
+//! [`STEPS`] times the pixels within three widths of the star. Memory: less than two kilobytes of stack.
+
+mod fit;
+mod frame;
+mod solve;
+mod window;
+
+pub use fit::STEPS;
+pub use frame::{BadPixel, Pixel, Raster};
+pub use window::Window;
+
+use crate::arithmetic::Arithmetic;
+use crate::error::Error;
+use fit::Fit;
+use window::View;
+
+/// The least and the greatest width and height of a window, pixels.
+pub const SIDES: (u16, u16) = (8, 64);
+/// A star below this signal-to-noise is lost: in a window of 64 x 64 the highest of the noise is at 4.5.
+pub const LEAST_SNR: f32 = 5.0;
+
+/// The window reaches beyond the frame, so that it is cut off.
+pub const EDGE: u32 = 1;
+/// A pixel of the star reaches the camera's saturation; it is left out.
+pub const SATURATED: u32 = 1 << 1;
+/// A pixel of the star is listed as bad or is brighter than its neighbours allow; it is left out.
+pub const HOT: u32 = 1 << 2;
+/// A pixel near the star is brighter than star, sky and noise together by a fifth of the star's peak.
+pub const BLENDED: u32 = 1 << 3;
+/// No star of [`LEAST_SNR`] is in the window, or its centre does not settle inside: place as predicted.
+pub const LOST: u32 = 1 << 4;
+
+/// What is known of the camera.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The value of a pixel without light, counts.
+    pub black: f32,
+    /// Electrons per count, above 0.
+    pub gain: f32,
+    /// Noise of a pixel without light, electrons, at least 0.
+    pub read_noise: f32,
+    /// Pixels from this value on are saturated, counts.
+    pub saturation: f32,
+    /// Standard deviation of a star's image before pixels sample it, pixels, 0.5 to 3.
+    pub psf_sigma: f32,
+}
+
+/// What a window holds. Pixel centres have whole coordinates from (0, 0), the frame's first pixel.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Star {
+    /// Column of the centre, pixels.
+    pub x: f32,
+    /// Row of the centre, pixels.
+    pub y: f32,
+    /// All light of the star, counts; 0 where it is lost.
+    pub flux: f32,
+    /// The flux over its standard deviation.
+    pub snr: f32,
+    /// Variance of `x`, pixels squared; infinite where the star is lost, so that it weighs nothing.
+    pub errx2: f32,
+    /// Variance of `y`.
+    pub erry2: f32,
+    /// Covariance of `x` and `y`.
+    pub errxy: f32,
+    /// [`EDGE`], [`SATURATED`], [`HOT`], [`BLENDED`], [`LOST`].
+    pub flags: u32,
+}
+
+const _: () = assert!(size_of::<Star>() == 32, "a record of the size that is promised");
+
+impl Star {
+    /// Nothing yet: for the caller's memory.
+    pub const EMPTY: Star = Star { x: 0.0, y: 0.0, flux: 0.0, snr: 0.0, errx2: 0.0, erry2: 0.0, errxy: 0.0, flags: 0 };
+
+    fn lost(window: &Window, flags: u32) -> Star {
+        let errors = f32::INFINITY;
+        Star { x: window.x, y: window.y, errx2: errors, erry2: errors, flags: flags | LOST, ..Star::EMPTY }
+    }
+}
+
+impl Camera {
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that is out of bounds.
+    pub fn validate(&self) -> Result<(), Error> {
+        let within = |name, value: f32, (least, most): (f32, f32)| match value {
+            value if value >= least && value <= most => Ok(()),
+            value if value > most => Err(Error::Parameter { name, value, bound: "at most", limit: most }),
+            value => Err(Error::Parameter { name, value, bound: "at least", limit: least }),
+        };
+        let counts = (0.0, 65_536.0);
+        within("black", self.black, counts)?;
+        within("gain", self.gain, (1e-3, 1e6))?;
+        within("read noise", self.read_noise, (0.0, 1e6))?;
+        within("saturation", self.saturation, counts)?;
+        within("PSF sigma", self.psf_sigma, (0.5, 3.0))
+    }
+
+    /// The least count that is saturated.
+    fn full(&self) -> u32 {
+        libm::ceilf(self.saturation) as u32
+    }
+
+    /// Variance of a pixel on a sky level in counts: read-out, photons, and the rounding to whole counts.
+    fn variance(&self, sky: f32) -> f32 {
+        let (light, dark) = (sky - self.black, self.read_noise / self.gain);
+        dark * dark + if light > 0.0 { light / self.gain } else { 0.0 } + 1.0 / 12.0
+    }
+}
+
+/// Centres the brightest star of each window; `out` takes one [`Star`] per window, in their order.
+///
+/// A window that holds nothing usable gives a lost star and no error. `bad_pixels` need no order; each window
+/// looks through all of them.
+///
+/// # Errors
+/// [`Error::Parameter`] for a camera or window out of bounds, [`Error::Length`] for an `out` shorter than
+/// `windows`; nothing is written then.
+pub fn track<A: Arithmetic, P: Pixel>(
+    frame: &Raster<'_, P>,
+    windows: &[Window],
+    camera: &Camera,
+    bad_pixels: &[BadPixel],
+    out: &mut [Star],
+) -> Result<(), Error> {
+    camera.validate()?;
+    windows.iter().try_for_each(Window::validate)?;
+    if out.len() < windows.len() {
+        return Err(Error::Length { name: "stars", given: out.len(), needed: windows.len() });
+    }
+    for (star, window) in out.iter_mut().zip(windows) {
+        *star = one::<A, P>(frame, window, camera, bad_pixels);
+    }
+    Ok(())
+}
+
+fn one<A: Arithmetic, P: Pixel>(frame: &Raster<'_, P>, window: &Window, camera: &Camera, bad: &[BadPixel]) -> Star {
+    let Some(mut view) = View::new(frame, window, camera, bad) else { return Star::lost(window, EDGE) };
+    let flags = view.cut();
+    let fitted = Fit::<A, P>::of(&mut view, camera).and_then(Fit::star);
+    fitted.map_or(Star::lost(window, flags), |star| Star { flags: star.flags | flags, ..star })
+}

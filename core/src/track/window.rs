@@ -1,0 +1,290 @@
+//! A window on the frame: which of its pixels can be used, its sky, and where its star begins.
+
+use super::frame::{BadPixel, Pixel, Raster};
+use super::{Camera, EDGE, SIDES};
+use crate::error::Error;
+
+/// Where a star is expected, and how far around to look.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Predicted column of the star, pixels.
+    pub x: f32,
+    /// Predicted row of the star, pixels.
+    pub y: f32,
+    /// Columns, 8 to 64.
+    pub width: u16,
+    /// Rows, 8 to 64.
+    pub height: u16,
+}
+
+impl Window {
+    /// Checks size and place.
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        for (name, side) in [("window width", self.width), ("window height", self.height)] {
+            let (value, (least, most)) = (f32::from(side), SIDES);
+            if side < least {
+                return Err(Error::Parameter { name, value, bound: "at least", limit: f32::from(least) });
+            }
+            if side > most {
+                return Err(Error::Parameter { name, value, bound: "at most", limit: f32::from(most) });
+            }
+        }
+        for (name, value) in [("predicted column", self.x), ("predicted row", self.y)] {
+            // Also false for what is no number.
+            if !(value >= -1e6 && value <= 1e6) {
+                return Err(Error::Parameter { name, value, bound: "within 10^6 of", limit: 0.0 });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Pixels of the border of the greatest window.
+const BORDER: usize = 4 * (SIDES.1 as usize - 1);
+
+/// A level with the number of pixels that told it.
+#[derive(Clone, Copy, Debug)]
+pub struct Border {
+    /// The whole part of the median, counts.
+    pub base: u16,
+    /// What the median is above that, -0.5 to 0.5.
+    pub rest: f32,
+    /// Pixels.
+    pub pixels: u32,
+}
+
+/// The part of a window that lies in the frame.
+#[derive(Debug)]
+pub struct View<'a, P> {
+    frame: Raster<'a, P>,
+    /// First column and row in the frame.
+    pub origin: (usize, usize),
+    /// Columns and rows, 3 to 64 each.
+    pub size: (usize, usize),
+    whole: bool,
+    /// One bit for each pixel that is not to be used, a word for each row.
+    left_out: [u64; SIDES.1 as usize],
+}
+
+/// The columns or rows of a window along an axis of the frame.
+fn clip(place: f32, side: u16, length: usize) -> (usize, usize) {
+    let first = libm::floorf(place - f32::from(side.saturating_sub(1)) * 0.5 + 0.5) as i32;
+    let end = first.saturating_add(i32::from(side)).clamp(0, i32::try_from(length).unwrap_or(i32::MAX));
+    let first = first.clamp(0, end);
+    (first as usize, end.saturating_sub(first) as usize)
+}
+
+/// The bit of a column.
+fn bit(x: usize) -> u64 {
+    1u64.wrapping_shl(x as u32)
+}
+
+/// The light of the brightest 3 x 3 pixels of three rows and their middle column; `value` takes a pixel, its
+/// column, and which of the rows it is in.
+#[inline(always)]
+fn brightest_of<P: Pixel>([below, row, above]: [&[P]; 3], value: impl Fn(&P, usize, usize) -> u32) -> (u32, usize) {
+    let (mut most, mut place, mut last) = (0, 1, (0u32, 0u32));
+    for (x, ((below, pixel), above)) in below.iter().zip(row).zip(above).enumerate() {
+        let column = value(below, x, 0).wrapping_add(value(pixel, x, 1)).wrapping_add(value(above, x, 2));
+        let light = last.0.wrapping_add(last.1).wrapping_add(column);
+        if light > most && x >= 2 {
+            (most, place) = (light, x.wrapping_sub(1));
+        }
+        last = (last.1, column);
+    }
+    (most, place)
+}
+
+/// Columns and rows of a view, the last ones included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rectangle {
+    /// First and last column.
+    pub columns: (usize, usize),
+    /// First and last row.
+    pub rows: (usize, usize),
+}
+
+impl Rectangle {
+    /// No pixel.
+    pub const NONE: Rectangle = Rectangle { columns: (1, 0), rows: (1, 0) };
+
+    fn has(&self, x: usize, y: usize) -> bool {
+        x >= self.columns.0 && x <= self.columns.1 && y >= self.rows.0 && y <= self.rows.1
+    }
+}
+
+impl<'a, P: Pixel> View<'a, P> {
+    /// The window; nothing where fewer than three columns or rows of it are in the frame.
+    pub fn new(frame: &Raster<'a, P>, window: &Window, camera: &Camera, bad: &[BadPixel]) -> Option<View<'a, P>> {
+        let (x, columns) = clip(window.x, window.width, frame.width);
+        let (y, rows) = clip(window.y, window.height, frame.height);
+        if columns < 3 || rows < 3 {
+            return None;
+        }
+        let none = [0; SIDES.1 as usize];
+        let whole = columns == usize::from(window.width) && rows == usize::from(window.height);
+        let mut view = View { frame: *frame, origin: (x, y), size: (columns, rows), whole, left_out: none };
+        view.leave_out(bad);
+        view.leave_out_from(camera.full());
+        Some(view)
+    }
+
+    /// [`EDGE`], if the window is cut off.
+    pub fn cut(&self) -> u32 {
+        if self.whole { 0 } else { EDGE }
+    }
+
+    fn leave_out(&mut self, bad: &[BadPixel]) {
+        for pixel in bad {
+            let x = usize::from(pixel.x).wrapping_sub(self.origin.0);
+            let y = usize::from(pixel.y).wrapping_sub(self.origin.1);
+            if x < self.size.0 {
+                self.mark(x, y);
+            }
+        }
+    }
+
+    /// Leaves out what has this value or more.
+    fn leave_out_from(&mut self, full: u32) {
+        for y in 0..self.size.1 {
+            for (x, pixel) in self.row(y).iter().enumerate() {
+                if u32::from(pixel.count()) >= full {
+                    self.mark(x, y);
+                }
+            }
+        }
+    }
+
+    /// Leaves a pixel out.
+    fn mark(&mut self, x: usize, y: usize) {
+        if let Some(word) = self.left_out.get_mut(y) {
+            *word |= bit(x);
+        }
+    }
+
+    /// The pixels of a row.
+    #[inline(always)]
+    pub fn row(&self, y: usize) -> &'a [P] {
+        let x = self.origin.0;
+        self.frame.row(self.origin.1.saturating_add(y), x..x.saturating_add(self.size.0))
+    }
+
+    /// Which pixels of a row are left out.
+    #[inline(always)]
+    pub fn out_of(&self, y: usize) -> u64 {
+        self.left_out.get(y).copied().unwrap_or(u64::MAX)
+    }
+
+    /// The value of a pixel that is to be used.
+    fn at(&self, x: usize, y: usize) -> Option<u16> {
+        if self.out_of(y) & bit(x) == 0 { self.row(y).get(x).map(|pixel| pixel.count()) } else { None }
+    }
+
+    /// The pixels of the border that are to be used and lie outside the rectangle, and how many they are.
+    fn border(&self, inside: &Rectangle) -> ([u16; BORDER], usize) {
+        let (columns, rows) = self.size;
+        let (last_x, last_y) = (columns.saturating_sub(1), rows.saturating_sub(1));
+        let (mut values, mut count) = ([0; BORDER], 0usize);
+        for y in 0..rows {
+            let step = if y == 0 || y == last_y { 1 } else { last_x.max(1) };
+            for x in (0..columns).step_by(step) {
+                if !inside.has(x, y)
+                    && let (Some(value), Some(to)) = (self.at(x, y), values.get_mut(count))
+                {
+                    *to = value;
+                    count = count.saturating_add(1);
+                }
+            }
+        }
+        (values, count)
+    }
+
+    /// Whether a rectangle has pixels of the border.
+    pub fn at_border(&self, inside: &Rectangle) -> bool {
+        let last = |length: usize| length.saturating_sub(1);
+        let along = |(first, end): (usize, usize), length| first == 0 || end >= last(length);
+        along(inside.columns, self.size.0) || along(inside.rows, self.size.1)
+    }
+
+    /// The median of the border outside a rectangle, as if equal counts were spread evenly over the width of a count.
+    pub fn sky(&self, inside: &Rectangle) -> Option<Border> {
+        let (values, count) = self.border(inside);
+        let values = values.get(..count)?;
+        let pixels = count as u32;
+        let below = |value: u16| values.iter().fold(0u32, |sum, &pixel| sum.wrapping_add(u32::from(pixel < value)));
+        // The greatest value with at most half of the pixels below it, bit by bit.
+        let highest = values.iter().fold(0, |all, value| all | value);
+        let mut base = 0u16;
+        for place in (0..16u32.saturating_sub(highest.leading_zeros())).rev() {
+            let higher = base | 1u16.wrapping_shl(place);
+            if below(higher).saturating_mul(2) <= pixels {
+                base = higher;
+            }
+        }
+        if pixels == 0 {
+            return None;
+        }
+        let equal = values.iter().filter(|&&pixel| pixel == base).count();
+        let part = (pixels as f32 * 0.5 - below(base) as f32) / equal.max(1) as f32;
+        // Between two counts that share the middle: at the upper end of the lower one.
+        let rest = if part < 1.0 { part - 0.5 } else { 0.5 };
+        Some(Border { base, rest, pixels })
+    }
+
+    /// Leaves out pixels that stand above `level` alone: no star's neighbours on both axes are so dark.
+    /// `slope` is the least mean of the four neighbours in units of the pixel, both above the base.
+    pub fn leave_out_spikes(&mut self, base: u16, level: u16, slope: f32) {
+        for y in 0..self.size.1 {
+            for (x, pixel) in self.row(y).iter().enumerate() {
+                if pixel.count() > level && self.is_spike(x, y, base, level, slope) {
+                    self.mark(x, y);
+                }
+            }
+        }
+    }
+
+    fn is_spike(&self, x: usize, y: usize, base: u16, level: u16, slope: f32) -> bool {
+        let around =
+            [(x.wrapping_sub(1), y), (x.saturating_add(1), y), (x, y.wrapping_sub(1)), (x, y.saturating_add(1))];
+        let (mut sum, mut count) = (0i32, 0i32);
+        for value in around.into_iter().filter_map(|(x, y)| if x < self.size.0 { self.at(x, y) } else { None }) {
+            sum = sum.saturating_add(i32::from(value).saturating_sub(i32::from(base)));
+            count = count.saturating_add(1);
+        }
+        let Some(own) = self.at(x, y) else { return false };
+        let height = i32::from(own).saturating_sub(i32::from(base));
+        // Four neighbours and the pixel may be off by three and a half deviations together, eight of a pixel; the
+        // level is at five.
+        let noise = f32::from(level.saturating_sub(base)) * 1.6;
+        count >= 3 && sum as f32 + noise < slope * height as f32 * count as f32
+    }
+
+    /// The column and row in whose 3 x 3 pixels most light is, the first of several; pixels left out count
+    /// as `base`. Not on the border.
+    pub fn brightest(&self, base: u16) -> (usize, usize) {
+        let (mut most, mut place) = (0, (1, 1));
+        for y in 1..self.size.1.saturating_sub(1) {
+            let rows = [y.wrapping_sub(1), y, y.saturating_add(1)];
+            let out = rows.map(|y| self.out_of(y));
+            let of_row = rows.map(|y| self.row(y));
+            let (light, x) = match out {
+                [0, 0, 0] => brightest_of(of_row, |pixel, _, _| u32::from(pixel.count())),
+                _ => brightest_of(of_row, |pixel, x, row| {
+                    let left_out = out.get(row).is_some_and(|out| out & bit(x) != 0);
+                    u32::from(if left_out { base } else { pixel.count() })
+                }),
+            };
+            if light > most {
+                (most, place) = (light, (x, y));
+            }
+        }
+        place
+    }
+
+    /// The greatest value of 3 x 3 pixels, `base` where all are left out.
+    pub fn peak(&self, (x, y): (usize, usize), base: u16) -> u16 {
+        let across = |x: usize| x.saturating_sub(1)..x.saturating_add(2);
+        across(y).flat_map(|y| across(x).map(move |x| (x, y))).filter_map(|(x, y)| self.at(x, y)).fold(base, u16::max)
+    }
+}

@@ -1,0 +1,127 @@
+/* Calls that are wrong, each with the number that must come back. */
+
+#include "skyfront.h"
+#include <stdio.h>
+#include <string.h>
+
+enum { W = 48, H = 36, N = 4 };
+
+static unsigned char memory[SKYFRONT_RUN_BYTES(W, H, N)];
+static uint16_t words[W * H];
+static uint8_t bytes[W * H];
+static int failures;
+
+static void is(const char *what, long found, long wanted)
+{
+  if (found != wanted) {
+    printf("%s: %ld, wanted %ld\n", what, found, wanted);
+    failures++;
+  }
+}
+
+static int32_t refuse(void *context, size_t y, float *out, size_t width)
+{
+  (void)context, (void)y, (void)out, (void)width;
+  return 5;
+}
+
+static void windows(void)
+{
+  const skyfront_camera camera = {64, 2, 7, 4095, 1}, dark = {64, 0, 7, 4095, 1};
+  const skyfront_window window = {20, 20, 9, 9}, small = {20, 20, 7, 9};
+  skyfront_star star = {.flags = 99};
+  is("no frame", skyfront_track_u16(NULL, W, H, W, &camera, &window, 1, NULL, 0, &star), SKYFRONT_ERROR_POINTER);
+  is("no camera", skyfront_track_u16(words, W, H, W, NULL, &window, 1, NULL, 0, &star), SKYFRONT_ERROR_POINTER);
+  is("no windows", skyfront_track_u16(words, W, H, W, &camera, NULL, 1, NULL, 0, &star), SKYFRONT_ERROR_POINTER);
+  is("no bad pixels", skyfront_track_u8(bytes, W, H, W, &camera, &window, 1, NULL, 1, &star), SKYFRONT_ERROR_POINTER);
+  is("no room", skyfront_track_u8(bytes, W, H, W, &camera, &window, 1, NULL, 0, NULL), SKYFRONT_ERROR_POINTER);
+  is("gain", skyfront_track_u8(bytes, W, H, W, &dark, &window, 1, NULL, 0, &star), SKYFRONT_ERROR_PARAMETER);
+  is("window", skyfront_track_u8(bytes, W, H, W, &camera, &small, 1, NULL, 0, &star), SKYFRONT_ERROR_PARAMETER);
+  is("size", skyfront_track_u8(bytes, 4, H, W, &camera, &window, 1, NULL, 0, &star), SKYFRONT_ERROR_SIZE);
+  is("untouched", star.flags, 99);
+  is("nothing to do", skyfront_track_u16(words, W, H, W, &camera, NULL, 0, NULL, 0, NULL), SKYFRONT_OK);
+  is("a dark frame", skyfront_track_u8(bytes, W, H, W, &camera, &window, 1, NULL, 0, &star), SKYFRONT_OK);
+  is("is lost", star.flags, SKYFRONT_STAR_LOST);
+}
+
+static void runs(void)
+{
+  skyfront_setup setup = {SKYFRONT_PRESET_PAPER_REAL, W, H, N, NULL, 0};
+  skyfront_run *run = NULL;
+  skyfront_progress progress;
+  skyfront_source source;
+  uint32_t labels[W];
+  char said[64];
+  const size_t all = sizeof memory;
+  is("no memory", skyfront_run_start(NULL, all, &setup, &run, NULL, 0), SKYFRONT_ERROR_POINTER);
+  is("no setup", skyfront_run_start(memory, all, NULL, &run, NULL, 0), SKYFRONT_ERROR_POINTER);
+  is("short memory", skyfront_run_start(memory, all / 2, &setup, &run, said, sizeof said), SKYFRONT_ERROR_LENGTH);
+  is("said", strstr(said, "bytes are needed") != NULL, 1);
+  setup.preset = 77;
+  is("preset", skyfront_run_start(memory, all, &setup, &run, NULL, 0), SKYFRONT_ERROR_PRESET);
+  setup.preset = SKYFRONT_PRESET_PAPER_REAL;
+  skyfront_setting setting = {"no-such-setting", "1"};
+  setup.settings = &setting, setup.setting_count = 1;
+  is("setting", skyfront_run_start(memory, all, &setup, &run, NULL, 0), SKYFRONT_ERROR_SETTING);
+  setting = (skyfront_setting){"min-area", "many"};
+  is("value", skyfront_run_start(memory, all, &setup, &run, said, sizeof said), SKYFRONT_ERROR_SETTING);
+  is("said", strcmp(said, "min-area many"), 0);
+  setting = (skyfront_setting){"dt", "-1"};
+  is("bound", skyfront_run_start(memory, all, &setup, &run, said, sizeof said), SKYFRONT_ERROR_PARAMETER);
+  is("said", strncmp(said, "dt is -1; must be above 0", 25), 0);
+  setting.name = NULL;
+  is("no name", skyfront_run_start(memory, all, &setup, &run, NULL, 0), SKYFRONT_ERROR_POINTER);
+  setup.setting_count = 0, setup.width = 2;
+  is("width", skyfront_run_start(memory, all, &setup, &run, NULL, 0), SKYFRONT_ERROR_SIZE);
+  setup.width = W;
+  is("good", skyfront_run_start(memory, all, &setup, &run, NULL, 0), SKYFRONT_OK);
+  is("no run", skyfront_run_poll_u16(NULL, 1, words, W, NULL), SKYFRONT_ERROR_POINTER);
+  is("stride", skyfront_run_poll_u16(run, 1, words, W - 1, NULL), SKYFRONT_ERROR_LENGTH);
+  is("no pixels", skyfront_run_poll_u8(run, 1, NULL, W, NULL), SKYFRONT_ERROR_POINTER);
+  is("no function", skyfront_run_poll_rows(run, 1, NULL, NULL, NULL), SKYFRONT_ERROR_POINTER);
+  is("refused", skyfront_run_poll_rows(run, 1, refuse, NULL, NULL), SKYFRONT_ERROR_FRAME);
+  is("early", skyfront_run_labels(run, 0, labels), SKYFRONT_ERROR_NOT_DONE);
+  is("early", skyfront_run_source(run, 0, &source), SKYFRONT_ERROR_NOT_DONE);
+  int32_t error = SKYFRONT_OK;
+  for (size_t at = 0; at < W * H; at++) {
+    bytes[at] = (uint8_t)(at % 7 + (at / W - 10 < 5 && at % W - 20 < 5 ? 150 : 0));
+  }
+  do {
+    error = skyfront_run_poll_u8(run, 5, bytes, W, &progress);
+  } while (error == SKYFRONT_OK && !progress.done);
+  is("run", error, SKYFRONT_OK);
+  is("source", progress.sources, 1);
+  is("row", skyfront_run_labels(run, H, labels), SKYFRONT_ERROR_INDEX);
+  is("row", skyfront_run_labels(run, 12, labels), SKYFRONT_OK);
+  is("label", labels[22], 1);
+  is("source", skyfront_run_source(run, 0, &source), SKYFRONT_OK);
+  is("column", source.x > 21.5f && source.x < 22.5f, 1);
+  is("source", skyfront_run_source(run, 1, &source), SKYFRONT_ERROR_INDEX);
+}
+
+static void sizes(void)
+{
+  static const size_t sides[] = {8, 31, 100, 512, 1024, 4099};
+  for (size_t i = 0; i < 6; i++) {
+    for (size_t j = 0; j < 6; j++) {
+      size_t needed = skyfront_run_bytes(sides[i], sides[j], 40);
+      size_t constant = SKYFRONT_RUN_BYTES(sides[i], sides[j], 40);
+      is("the constant is enough", needed > 0 && needed <= constant, 1);
+      is("and not much too much", constant < needed + needed / 8 + 8192, 1);
+    }
+  }
+  is("too much to be counted", (long)skyfront_run_bytes((size_t)-1, 2, 3), 0);
+}
+
+int main(void)
+{
+  windows();
+  runs();
+  sizes();
+  is("the standard's check value", skyfront_crc32((const uint8_t *)"123456789", 9) == UINT32_C(0xCBF43926), 1);
+  is("text", strcmp(skyfront_error_text(SKYFRONT_ERROR_PRESET), "there is no preset of this number"), 0);
+  if (failures == 0) {
+    printf("done\n");
+  }
+  return failures != 0;
+}

@@ -8,7 +8,7 @@ mod table;
 mod validate;
 
 pub use parameter::{End, Forms, Need, Numbers, Parameter, Range, Step, Value, Word};
-pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, part_area};
+pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, narrow_area, part_area};
 pub use table::PARAMETERS;
 
 use crate::arithmetic::digest::Digest;

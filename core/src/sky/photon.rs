@@ -92,3 +92,22 @@ const PHOTON_MARGIN: f32 = 1.5;
 pub fn grown<L: Level>(photon: f32, value: L) -> L {
     (L::ONE + value.positive().scaled(L::Weight::of(PHOTON_MARGIN * photon))).root()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::Fixed14;
+
+    fn grows<L: Level>() {
+        for (photon, light, noise) in [(0.2, 10.0, 2.0), (0.5, 20.0, 4.0), (0.5, -20.0, 1.0), (0.0, 1e4, 1.0)] {
+            let found = grown(photon, L::of(light)).to_f32();
+            assert!((found - noise).abs() < 1e-4 * noise, "{}: {found} at {light}, not {noise}", L::NAME);
+        }
+    }
+
+    #[test]
+    fn noise_grows_by_half_as_much_again_as_photons_say() {
+        grows::<f32>();
+        grows::<Fixed14>();
+    }
+}

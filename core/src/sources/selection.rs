@@ -1,7 +1,7 @@
 //! Which regions are sources: by area, or by their significance in an image matched to their size.
 
 use crate::arithmetic::{Level, Real};
-use crate::config::{Config, Select, Separate, part_area};
+use crate::config::{Config, Select, Separate, narrow_area, part_area};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
@@ -189,12 +189,12 @@ fn is_source<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> bool {
 }
 
 /// The greatest significance of a cut at which a region is a source; -1 for none. What was not divided from another
-/// and stands out in the narrow image needs less peak and light.
+/// and stands out in the narrow image needs less area, peak and light.
 fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
     let divided = config.separate == Separate::Tree && region.divided > 0;
     let least_area = if divided { part_area(config.min_area) } else { config.min_area };
     let (peak, light) = (config.significance.peak * config.outline.threshold, config.significance.light);
-    let enough = |part: f32| {
+    let enough = |part: f32, least_area: u32| {
         region.area >= least_area
             && region.value >= L::of(part * peak)
             && region.sum >= L::share(L::ONE.times(1), part * light)
@@ -202,9 +202,9 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
     let over = |value: f32, noise: f32| if noise > 0.0 { value / noise } else { f32::MAX };
     let matched = over(region.value.to_f32(), cut.noise);
     let narrow = over(region.offsets.0, STANDS_OUT * cut.narrow_noise);
-    if enough(1.0) {
+    if enough(1.0, least_area) {
         matched
-    } else if !divided && enough(LENIENCY) {
+    } else if !divided && enough(LENIENCY, narrow_area(config.min_area)) {
         matched.least(narrow)
     } else {
         -1.0

@@ -117,7 +117,7 @@ const CASES: &[Case] = &[
     ("deblend-contrast", S, "", ["0.0005", "0.9"]),
     ("deblend-light", S, "", ["10", "1000"]),
     ("deblend-sharpening", S, "", ["0.5", "2"]),
-    ("deblend-excess", S, "", ["5.5", "1"]),
+    ("deblend-excess", S, "", ["5.5", "50"]),
     ("deblend-area", S, "", ["4", "40"]),
     ("select", S, "", ["significance", "area"]),
     ("false-sources", S, FAINT, ["0.001", "1000"]),

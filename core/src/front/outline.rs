@@ -68,17 +68,17 @@ impl<L: Level> Front<L> {
     pub fn step(&self, signal: &[L], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
         let width = grid.width.get();
         let most = (rows.len() / grid.width / ROWS).max(1);
-        let band = crew.rows(grid).max(grid.height.div_ceil(most)).max(1) * width;
+        let band = (crew.rows(grid).max(grid.height.div_ceil(most)) * width).max(1);
         let bands = plane.len().div_ceil(band);
         // The first and the last row of every band, for its neighbours, who see the old ones.
         let Some((borders, rings)) = rows.split_at_mut_checked(BORDERS * width * bands) else { return };
-        for (borders, band) in borders.chunks_exact_mut(BORDERS * width).zip(plane.chunks(band)) {
+        for (borders, band) in borders.chunks_exact_mut((BORDERS * width).max(1)).zip(plane.chunks(band)) {
             let ends = band.get(..width).into_iter().chain(band.get(band.len().saturating_sub(width)..)).flatten();
             borders.iter_mut().zip(ends).for_each(|(border, &u)| *border = L::from_bits(u));
         }
         let borders = &*borders;
         let border = |row: Option<usize>| row.map_or(&[][..], |row| row_of(borders, width, row));
-        let rings = rings.chunks_exact_mut(RING * width);
+        let rings = rings.chunks_exact_mut((RING * width).max(1));
         let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings).enumerate();
         crew.each(bands, |(index, ((plane, signal), ring))| {
             let beside = [border((2 * index).checked_sub(1)), border(Some(2 * index + 2))];

@@ -45,7 +45,7 @@ impl Weights {
     /// begins with the centre and goes outwards. Cost: `4 radius` additions per pixel.
     pub fn apply<L: Level>(&self, from: &[L], room: &mut [L], to: &mut [L], grid: Grid, crew: &impl Crew) {
         let (width, rows) = (grid.width.get(), rows_of_band(room.len(), grid, crew));
-        let bands = (0..).step_by(rows).zip(to.chunks_mut(rows * width)).zip(room.chunks_mut(kept(grid)));
+        let bands = (0..).step_by(rows).zip(to.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept(grid)));
         crew.each(bands, |((first, to), room)| {
             let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
             for (y, out) in (first..).zip(to.chunks_exact_mut(width)) {
@@ -59,9 +59,9 @@ impl Weights {
     /// Marks the pixels of `from` that are above `level` once smoothed, and no others.
     pub fn mark<L: Level>(&self, from: &[L], level: L, room: &mut [L], to: MaskMut<'_>, grid: Grid, crew: &impl Crew) {
         // A word of the mask is of one band only.
-        let rows = rows_of_band(room.len(), grid, crew).next_multiple_of(WORD);
+        let rows = rows_of_band(room.len(), grid, crew).next_multiple_of(WORD).max(WORD);
         let (width, kept) = (grid.width.get(), kept(grid));
-        let bands = (0..).step_by(rows).zip(to.0.chunks_mut(rows / WORD * width)).zip(room.chunks_mut(kept));
+        let bands = (0..).step_by(rows).zip(to.0.chunks_mut((rows / WORD * width).max(1))).zip(room.chunks_mut(kept));
         crew.each(bands, |((first, words), room)| {
             let (out, room) = room.split_at_mut_checked(width).unwrap_or_default();
             let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
@@ -95,7 +95,7 @@ impl Weights {
                 ring.smooth(y, row_of(before, width, y));
             }
         });
-        let bands = (0..).step_by(rows).zip(plane.chunks_mut(rows * width)).zip(room.chunks_mut(kept));
+        let bands = (0..).step_by(rows).zip(plane.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept));
         let gain = L::Weight::of(1.0 + strength);
         crew.each(bands, |((first, plane), room)| {
             let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first);
@@ -165,7 +165,7 @@ impl<'a, L: Level> Ring<'a, L> {
 
     /// Where a row lies.
     fn place(&self, y: usize) -> usize {
-        let length = 2 * self.weights.radius + 1;
+        let length = (2 * self.weights.radius + 1).max(1);
         if y < self.end { y % length } else { length + y - self.end }
     }
 
@@ -205,7 +205,7 @@ impl<'a, L: Level> Ring<'a, L> {
 
 /// Cells of the room for a band.
 fn kept(grid: Grid) -> usize {
-    grid.width.get() * ROOM_ROWS
+    grid.width.get().saturating_mul(ROOM_ROWS).max(1)
 }
 
 /// Rows of a band: no more bands than there is room for.

@@ -140,7 +140,7 @@ impl<'m> Mesh<'m> {
         let (rows, room) = (grid.height.div_ceil(groups).max(1), (keys.room() / groups).max(1));
         let mut told = [Told::default(); MOST_CELLS];
         let Keys(keys, spare) = keys;
-        let groups = self.cells.chunks_mut(grid.width.get() * rows).zip(told.chunks_mut(rows));
+        let groups = self.cells.chunks_mut((grid.width.get() * rows).max(1)).zip(told.chunks_mut(rows));
         let groups = (0..).step_by(rows).zip(groups).zip(keys.chunks_mut(room).zip(spare.chunks_mut(room)));
         crew.each(groups, |((first, (cells, told)), (keys, spare))| {
             let mut keys = Keys(keys, spare);

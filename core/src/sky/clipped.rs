@@ -277,6 +277,31 @@ mod tests {
     }
 
     #[test]
+    fn what_is_taken_away_was_never_there() {
+        let keys: Vec<u32> = normal(1003, 1e4, 3.0).into_iter().map(f32::key).collect();
+        let (below, rest) = keys.split_at(37);
+        let (inside, above) = rest.split_at(900);
+        let mut moments = Moments::of(&keys);
+        moments.without(below);
+        moments.without(above);
+        let (mean, deviation) = moments.mean_and_deviation();
+        let exact = Moments::of(inside).mean_and_deviation();
+        assert!((mean - exact.0).abs() <= 1e-3 && (deviation - exact.1).abs() < 1e-6, "{mean} {deviation}: {exact:?}");
+        let values = || inside.iter().map(|&key| f64::from(f32::of_key(key)));
+        let middle = values().sum::<f64>() / 900.0;
+        let variance = values().map(|value| (value - middle) * (value - middle)).sum::<f64>() / 900.0;
+        assert!((f64::from(mean) - middle).abs() < 1e-3 && (f64::from(deviation) - libm::sqrt(variance)).abs() < 1e-6);
+        assert_eq!(Moments::of(&[7.5f32.key(); 30]).mean_and_deviation(), (7.5, 0.0));
+    }
+
+    #[test]
+    fn halves_are_rounded_to_even_and_large_numbers_are_whole() {
+        for value in [0.5, 1.5, -0.5, -2.5, 0.49, 7.0, -3.2, 4_194_303.5, 4_194_304.0, 1e9, -1e30] {
+            assert_eq!(rounded(value), libm::rintf(value), "{value}");
+        }
+    }
+
+    #[test]
     fn sources_hardly_move_the_sky() {
         let crowded = normal(3600, 100.0, 5.0).into_iter().chain((0..400).map(|n| 110.0 + n as f32));
         let found = sky(&Values::UNKNOWN, crowded);

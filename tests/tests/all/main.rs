@@ -12,6 +12,7 @@ mod crosscheck;
 mod detection;
 mod detectors;
 mod documents;
+mod evidence;
 mod facts;
 mod facts_image;
 mod faults;

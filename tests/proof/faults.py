@@ -60,7 +60,7 @@ FAULTS = [
     # Sources.
     ("saddles cost nothing", "core/src/sources/tree.rs", "let light = faint.sum - <<saddle.times(faint.area)>>;", "saddle.times(0)", "all:rules_default::"),
     ("contrast is the branch's", "core/src/sources/tree.rs", "L::share(bright.sum, <<setting.contrast>>)", "setting.contrast + 0.5", "all:rules_default:: all:settings::"),
-    ("four of nine are most", "core/src/sources/tree.rs", ".count() >= <<MOST>>", "4", "all:rules_default::"),
+    ("four of nine are most", "core/src/sources/tree.rs", ".count() >= <<MOST>>", "4", "core:sources::tree"),
     ("a third source's light counts", "core/src/sources/tree.rs", "let light = if <<third>> {", "false", "all:rules_default::"),
     ("centres lie on pixels", "core/src/plane/field.rs", "L::whole(x) + <<offset(dx.to_f32())>>", "L::ZERO", "all:rules_default::"),
     ("light is read at the wrong corner", "core/src/plane/field.rs", "(row(first) * (L::ONE - <<part_y>>)", "part_x", "core:plane:: all:rules_default::"),

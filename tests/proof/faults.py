@@ -66,7 +66,7 @@ FAULTS = [
     ("light is read at the wrong corner", "core/src/plane/field.rs", "(row(first) * (L::ONE - <<part_y>>)", "part_x", "core:plane:: all:rules_default::"),
     ("wide sources are centred on their peaks", "core/src/sources/centre.rs", "if <<region.area > WIDE>> ||", "region.area > 100 * WIDE", "core:sources::centre"),
     ("plateaus are twice as large", "core/src/sources/centre.rs", "region.plateau < <<SHARE>> * region.area", "0.5", "core:sources::centre"),
-    ("the typical source is the median's", "core/src/sources/typical.rs", "sorted.get(<<count / 4>>)", "count / 2", "core:sources:: all:rules_default::"),
+    ("the typical source is the median's", "core/src/sources/typical.rs", "sorted.get(<<count / 4>>)", "count / 2", "core:sources::typical"),
     ("reopened groups need no area", "core/src/sources/deblend.rs", "(unexplained as u32) < <<least_area>> {", "1", "all:rules_default:: all:settings::"),
     ("the excess is not asked", "core/src/sources/deblend.rs", "L::of(<<excess>> * noise.least", "0.5 * excess", "all:rules_default:: all:settings::"),
     ("borders lie elsewhere", "core/src/sources/deblend.rs", "let other_from = L::Weight::of(<<OTHER>>);", "1.5", "all:rules_default::"),

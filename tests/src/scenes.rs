@@ -1,25 +1,15 @@
-//! Simulated skies with known truth, kept beside the repository; tests that need them say so when they are absent.
+//! Simulated skies with known truth, kept beside the repository, for the tests that are asked for by name.
 
 use skyfront::read::{Image, image};
 use std::path::PathBuf;
 
-/// `../shared/scenes`, or `None` with a note on stderr.
-pub fn folder() -> Option<PathBuf> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
-    if path.is_dir() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED: ../shared/scenes is absent");
-    None
+/// `../shared/scenes`.
+pub fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes")
 }
 
 /// The scene of that name.
-pub fn load(name: &str) -> Option<Image> {
-    let path = folder()?.join(name).with_extension("fits");
-    Some(image(&path, None).unwrap_or_else(|error| panic!("{error}")))
-}
-
-/// The scene of that name, for a command that cannot do without.
 pub fn needed(name: &str) -> Image {
-    load(name).expect("../shared/scenes, which holds the scenes")
+    let path = folder().join(name).with_extension("fits");
+    image(&path, None).unwrap_or_else(|error| panic!("{error}"))
 }

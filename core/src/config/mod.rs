@@ -1,5 +1,7 @@
 //! What a run is to do: immutable, validated once, with the paper's values as defaults.
 
+#[deny(clippy::arithmetic_side_effects)]
+pub mod bytes;
 mod parameter;
 mod sources;
 mod table;

@@ -118,18 +118,31 @@ impl Weights {
         let ([centre, ..], width) = (self.weights, row.len());
         let centre = L::Weight::of(centre);
         out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
-        for (distance, weight) in self.sides() {
-            let weight = L::Weight::of(weight);
-            let inner = width.saturating_sub(2 * distance);
-            if let (Some(left), Some(right)) = (row.get(..inner), row.get(width - inner..)) {
-                add(out.get_mut(distance..distance + inner).unwrap_or(&mut []), left, right, weight);
+        // Within the row by slices, at its ends by the mirror.
+        let inner = width.saturating_sub(2 * self.radius);
+        let end = if inner > 0 { self.radius } else { width };
+        let tap = |(distance, weight): (usize, f32)| {
+            let from = |first: usize| row.get(first..first + inner).unwrap_or(&[]);
+            (from(end.saturating_sub(distance)), from(end + distance), L::Weight::of(weight))
+        };
+        self.add_taps(out.get_mut(end..end + inner).unwrap_or(&mut []), tap);
+        for x in (0..end).chain(end + inner..width) {
+            let Some(out) = out.get_mut(x) else { break };
+            for (distance, weight) in self.sides() {
+                let [below, above] = mirrored(x, distance, width);
+                let at = |x: usize| row.get(x).copied().unwrap_or(L::ZERO);
+                *out = *out + (at(below) + at(above)).scaled(L::Weight::of(weight));
             }
-            let left_end = if inner > 0 { distance } else { width };
-            for x in (0..left_end).chain((left_end + inner).min(width)..width) {
-                let [below, above] = mirrored(x, distance, width).map(|at| row.get(at).copied().unwrap_or(L::ZERO));
-                if let Some(out) = out.get_mut(x) {
-                    *out = *out + (below + above).scaled(weight);
-                }
+        }
+    }
+
+    /// Adds what lies at each distance on both sides, two distances in a pass.
+    fn add_taps<'r, L: Level>(&self, out: &mut [L], tap: impl Fn((usize, f32)) -> Tap<'r, L>) {
+        let mut sides = self.sides();
+        while let Some(near) = sides.next() {
+            match sides.next() {
+                Some(far) => add_both(out, tap(near), tap(far)),
+                None => add(out, tap(near)),
             }
         }
     }
@@ -182,10 +195,11 @@ impl<'a, L: Level> Ring<'a, L> {
         let row = |y: usize| row_of(self.rows, self.grid.width.get(), self.place(y));
         let centre = L::Weight::of(gain * centre);
         out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
-        for (distance, weight) in self.weights.sides() {
+        let tap = |(distance, weight): (usize, f32)| {
             let [below, above] = mirrored(y, distance, self.grid.height);
-            add(out, row(below), row(above), L::Weight::of(gain * weight));
-        }
+            (row(below), row(above), L::Weight::of(gain * weight))
+        };
+        self.weights.add_taps(out, tap);
     }
 }
 
@@ -200,9 +214,19 @@ fn rows_of_band(room: usize, grid: Grid, crew: &impl Crew) -> usize {
     crew.rows(grid).max(grid.height.div_ceil(bands)).max(1)
 }
 
-fn add<L: Level>(out: &mut [L], left: &[L], right: &[L], weight: L::Weight) {
+/// What lies at a distance on both sides, and its weight.
+type Tap<'r, L> = (&'r [L], &'r [L], <L as Level>::Weight);
+
+fn add<L: Level>(out: &mut [L], (left, right, weight): Tap<'_, L>) {
     for ((out, left), right) in out.iter_mut().zip(left).zip(right) {
         *out = *out + (*left + *right).scaled(weight);
+    }
+}
+
+/// Two taps, one after the other, in one pass.
+fn add_both<L: Level>(out: &mut [L], near: Tap<'_, L>, far: Tap<'_, L>) {
+    for ((((out, below), above), under), over) in out.iter_mut().zip(near.0).zip(near.1).zip(far.0).zip(far.1) {
+        *out = *out + (*below + *above).scaled(near.2) + (*under + *over).scaled(far.2);
     }
 }
 

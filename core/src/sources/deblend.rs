@@ -336,8 +336,9 @@ fn straighten_row(labels: &mut [u32], rows: [&[u32]; 3]) {
             continue;
         }
         for (x, label) in (first..).zip(labels) {
-            let near = |row: &[u32]| row.get(x.checked_sub(1)?..)?.first_chunk::<3>().copied();
-            if let [Some(below), Some(own), Some(above)] = rows.map(near)
+            let near = |row: &[u32]| row.get(x.wrapping_sub(1)..)?.first_chunk::<3>().copied();
+            let [below, own, above] = rows;
+            if let (Some(below), Some(own), Some(above)) = (near(below), near(own), near(above))
                 && let Some(other) = straighter([below, own, above])
             {
                 *label = other;

@@ -18,6 +18,7 @@ use crate::pipeline::Segmentation;
 use crate::provenance::shortest;
 use crate::read::header::unit;
 use crate::sky::Sky;
+use crate::write::entry::numbered;
 use crate::write::{Entry, Products, WriteError};
 use skyfront_core::sources::flags;
 
@@ -121,6 +122,7 @@ impl Catalogue {
             let more = Catalogue::in_image(observed, input, run, request);
             let of_band = more.columns.into_iter().filter(|column| !column.is_of_map());
             catalogue.columns.extend(of_band.map(|column| column.of_band(band)));
+            catalogue.entries.extend(more.entries.into_iter().filter_map(|entry| of_further(entry, band)));
             catalogue.rows.iter_mut().zip(more.rows).for_each(|(row, more)| row.bands.push(more));
             catalogue.refused = catalogue.refused.or(more.refused);
         }
@@ -239,6 +241,16 @@ fn coordinates(observed: &Observed, input: &Input, letter: Option<char>) -> Resu
         None => Ok(sky),
     }
 }
+
+/// What an entry tells of a further image, counted from 0; `None` where it is the same for all.
+fn of_further(entry: Entry, band: usize) -> Option<Entry> {
+    let Entry::Key(keyword, value, comment) = entry else { return None };
+    let is_own = OF_IMAGE.contains(&keyword.as_str());
+    is_own.then(|| Entry::Key(numbered(&keyword, band + 2), value, format!("{comment}, image {}", band + 2)))
+}
+
+/// Keywords of what each measured image has for itself.
+const OF_IMAGE: [&str; 4] = ["SFBACK", "SFNOISE", "SFGAIN", "SFSATUR"];
 
 /// How the sources were measured.
 fn entries(scene: &Scene<'_>, extras: &Extras<'_>) -> Vec<Entry> {

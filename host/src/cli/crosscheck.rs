@@ -25,7 +25,8 @@ pub struct Arguments {
     /// HDU of the image: a number (0 = primary) or a name [default: the first 2-D image].
     #[arg(long, value_name = "N|NAME")]
     hdu: Option<HduChoice>,
-    /// With --sky none and without --scheme, each of the paper's four is checked at the paper's time step for it.
+    /// With a preset of the paper and without --scheme, each of the paper's four is checked at the paper's time step
+    /// for it.
     #[command(flatten)]
     options: Options,
     #[command(flatten)]
@@ -116,18 +117,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// One configuration a scheme: the chosen one, or all of the paper's. On signal-to-noise the preset has chosen.
+/// The schemes of the paper.
+const PAPERS: [Scheme; 4] = [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature];
+
+/// One configuration per scheme: the one that was chosen, by itself or with a preset on signal-to-noise or of another
+/// front, or else all of the paper's.
 fn configs(options: &Options) -> Result<Vec<Config>> {
     let config = options.config()?;
-    if options.given.get("scheme").is_some() || config.sky.is_known() {
+    let is_papers = PAPERS.contains(&config.scheme) && !config.sky.is_known();
+    if options.given.get("scheme").is_some() || !is_papers {
         return Ok(vec![config]);
     }
-    let papers = [Scheme::Fd, Scheme::Sl, Scheme::FdCurvature, Scheme::SlCurvature];
     let with = |scheme: Scheme| {
         let given = options.given.with("scheme", Value::word(scheme.name()));
         Options { given, ..options.clone() }.config()
     };
-    papers.into_iter().map(with).collect()
+    PAPERS.into_iter().map(with).collect()
 }
 
 fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -> Result<()> {

@@ -4,7 +4,7 @@
 use crate::extraction;
 use crate::pipeline::{Segmentation, room_for_sources};
 use crate::planes::can_be_had;
-use crate::read::{self, HduChoice, Image, ReadError};
+use crate::read::{HduChoice, Image, Place, ReadError};
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::run::memory::bytes;
 use std::path::Path;
@@ -48,12 +48,13 @@ pub fn need_of_sources(run: &Segmentation) -> u64 {
     run.sources.len() as u64 * ROW
 }
 
-/// Reads an image for a command that takes at most so many bytes per pixel of it, if they can be had.
+/// Reads an image, or the part of it that brackets name, for a command that takes at most so many bytes per pixel of it,
+/// if they can be had.
 ///
 /// # Errors
 /// The file, and one line that names need and limit or what is wrong with it.
 pub fn image_within(per_pixel: u64, path: &Path, hdu: Option<&HduChoice>) -> Result<Image, ReadError> {
-    read::image_if(path, hdu, &mut |width, height| {
+    Place::new(path).read_hdu_if(hdu, &mut |width, height| {
         let pixels = countable(width, height)?;
         Memory::new(None).take(pixels.saturating_mul(per_pixel) + BESIDE, (width, height)).map(drop)
     })

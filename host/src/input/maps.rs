@@ -2,6 +2,7 @@
 
 use super::{Beside, Input, LabelMap, MapError, Observed, Positions, Reason, StartMap, WeightType};
 use crate::read::{Image, Place};
+use crate::write::entry::numbered;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -149,8 +150,7 @@ impl Loader {
     fn note(&mut self, option: &str, keyword: &str, file: String, checksum: Option<u32>) {
         let (option, keyword) = match self.band {
             0 => (option.to_owned(), keyword.to_owned()),
-            // A keyword has 8 letters.
-            band => (format!("{option}-{}", band + 1), format!("{keyword:.6}{}", band + 1)),
+            band => (format!("{option}-{}", band + 1), numbered(keyword, band + 1)),
         };
         self.beside.push(Beside { option, keyword, file, checksum });
     }

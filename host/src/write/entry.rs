@@ -43,6 +43,11 @@ impl Entry {
     }
 }
 
+/// The keyword of what is told again of the image with a number, from 2 on: a keyword has eight letters.
+pub fn numbered(keyword: &str, number: usize) -> String {
+    format!("{keyword:.6}{number}")
+}
+
 impl From<&str> for Value {
     fn from(text: &str) -> Self {
         Self::Text(text.to_owned())

@@ -124,6 +124,42 @@ fn the_default_passes_step_by_step() {
     assert!(messages(&run).contains("--vectors are those of a front on pixel values"), "{}", messages(&run));
 }
 
+#[test]
+fn brackets_choose_a_part_of_the_image() {
+    let (_folder, sky) = with_sky("crosscheck-part");
+    let run = skyfront(["crosscheck", &format!("{sky}[5:44,3:34]"), "--json"]);
+    assert_eq!(run.status.code(), Some(0), "{}{}", text(&run), messages(&run));
+    let outside = skyfront(["crosscheck", &format!("{sky}[5:44,3:99]")]);
+    assert!(outside.status.code() == Some(1) && messages(&outside).contains("52 x 44"), "{}", messages(&outside));
+}
+
+/// In miniature what `tests/proof/crosscheck` does: every preset, in every arithmetic that serves it.
+#[test]
+fn every_preset_passes_on_every_kind_of_sky() {
+    let folder = Folder::new("crosscheck-presets");
+    let arithmetics = |preset: &str| match preset {
+        // 16 bits cannot resolve so weak a curvature as the paper's.
+        "paper-f160" | "paper-real" => 10,
+        "chan-vese" => 3,
+        _ => 2,
+    };
+    let listed = text(&skyfront(["presets"]));
+    let names = listed.lines().filter(|line| line.starts_with(char::is_alphabetic));
+    let presets: Vec<&str> = names.flat_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(presets.len(), 5, "{presets:?}");
+    for (seed, kind) in [("21", "bright"), ("22", "noisy"), ("23", "stars")] {
+        let out = folder.file(kind);
+        let sky = skyfront(["simulate", "--kind", kind, "--seed", seed, "--side", "44", "--out", &out]);
+        assert!(sky.status.success(), "{}", messages(&sky));
+        for preset in &presets {
+            let run = skyfront(["crosscheck", &format!("{out}/sky.fits"), "--preset", *preset]);
+            assert_eq!(run.status.code(), Some(0), "{kind}, {preset}: {}{}", text(&run), messages(&run));
+            let passed = text(&run).lines().filter(|line| line.ends_with(": ok")).count();
+            assert_eq!(passed, arithmetics(preset), "{kind}, {preset}: {}", text(&run));
+        }
+    }
+}
+
 /// Where the reference has nothing to say, nothing is "ok".
 #[test]
 fn what_has_no_reference_is_refused_by_name() {

@@ -8,6 +8,7 @@ mod catalogue;
 mod chan_vese;
 mod cli;
 mod convergence;
+mod costs;
 mod crosscheck;
 mod detection;
 mod detectors;

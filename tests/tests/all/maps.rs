@@ -240,7 +240,8 @@ fn many_images_are_measured_in_one_run() {
     let folder = with_sky("bands");
     let [half, twice] = [("half.fits", 0.5f32), ("twice.fits", 2.0)].map(|(name, scale)| {
         let path = folder.file(name);
-        write(&path, &[Entry::new("BUNIT", name, "")], SIDE, |x, y| sky(0.5)(x, y) * scale);
+        let header = [Entry::new("BUNIT", name, ""), Entry::new("GAIN", f64::from(scale), "")];
+        write(&path, &header, SIDE, |x, y| sky(0.5)(x, y) * scale);
         path
     });
     let of = |run: &str, options: &[&str]| segment(&folder, run, options);
@@ -264,6 +265,13 @@ fn many_images_are_measured_in_one_run() {
     let summary = std::fs::read_to_string(folder.file("both/summary.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     assert_eq!(summary["input"]["beside"]["measure_2"]["file"], twice);
+    // What an image has for itself is told of each, what was asked once.
+    let told = |keyword: &str| &summary["measuring"][keyword];
+    assert_eq!((told("SFGAIN").as_f64(), told("SFGAIN2").as_f64()), (Some(0.5), Some(2.0)));
+    assert!(told("SFNOIS2").is_string() && told("SFNEIGHB").is_string() && told("SFNEIG2").is_null());
+    let mut table = fitsio::FitsFile::open(folder.file("both/catalog.fits")).expect("a table");
+    let hdu = table.hdu("CATALOG").expect("the table");
+    assert_eq!(hdu.read_key::<f64>(&mut table, "SFGAIN2").expect("the second gain"), 2.0);
     let (message, code) = refused(&folder, &["--measure", &half, "--measure", &twice, "--measure-background", "5"]);
     assert!(code == Some(2) && message.contains("once for each --measure"), "{message}");
 }

@@ -1,4 +1,5 @@
-//! Every file of `../shared/fits-zoo`, if it is there, is read or refused as its manifest says.
+//! Every file of `../shared/fits-zoo` is read or refused as its manifest says. The files lie beside the repository:
+//! `cargo test -p skyfront-tests -- --ignored zoo::` asks for them. `reading.rs` tries a zoo of our own.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,18 +18,13 @@ struct Case {
     hdu: String,
 }
 
-/// The folder with the shared files; without it the tests say so and pass.
-fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
-    let found = folder.join("fits-zoo/MANIFEST.tsv").exists();
-    if !found {
-        println!("SKIPPED: ../shared/fits-zoo is absent");
-    }
-    found.then_some(folder)
+/// The folder with the shared files.
+fn shared() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared")
 }
 
 fn manifest(zoo: &Path) -> Vec<Case> {
-    let text = fs::read_to_string(zoo.join("MANIFEST.tsv")).unwrap();
+    let text = fs::read_to_string(zoo.join("MANIFEST.tsv")).expect("../shared/fits-zoo with its manifest");
     let case = |line: &str| {
         let fields: Vec<&str> = line.split('\t').collect();
         let field = |n: usize| fields[n].to_owned();
@@ -62,8 +58,9 @@ fn complaint(case: &Case, outcome: &Result<Image, ReadError>) -> Option<String> 
 }
 
 #[test]
+#[ignore = "needs ../shared/fits-zoo"]
 fn every_file_behaves_as_the_manifest_says() {
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     let zoo = shared.join("fits-zoo");
     let mut complaints = Vec::new();
     for case in manifest(&zoo).iter().filter(|case| case.name != "directory.fits") {
@@ -74,8 +71,9 @@ fn every_file_behaves_as_the_manifest_says() {
 }
 
 #[test]
+#[ignore = "needs ../shared/fits-zoo"]
 fn every_readable_file_is_segmented_and_the_others_are_one_line_each() {
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     let cases = manifest(&shared.join("fits-zoo"));
     let folder = Folder::new("zoo");
     let (out, files) = (folder.file("out"), cases.iter().map(|case| shared.join("fits-zoo").join(&case.name)));
@@ -109,6 +107,7 @@ fn first_difference(ours: &[f32], theirs: &[f32]) -> Option<String> {
 }
 
 #[test]
+#[ignore = "needs ../shared/fits-zoo"]
 fn every_readable_file_has_the_pixels_that_cfitsio_reads() {
     /// Written for readers that cfitsio, as built here, is not.
     const NOT_FOR_CFITSIO: [&str; 4] =
@@ -116,7 +115,7 @@ fn every_readable_file_has_the_pixels_that_cfitsio_reads() {
     /// cfitsio gives undefined pixels some number unless asked for a mask.
     const WITH_BLANKS: [&str; 4] =
         ["blank_int16.fits", "comp_rice_f32_nan.fits", "real_astropy_comp_nan.fits", "real_astropy_blank.fits"];
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     let zoo = shared.join("fits-zoo");
     let mut complaints = Vec::new();
     let cases = manifest(&zoo);
@@ -137,6 +136,7 @@ fn every_readable_file_has_the_pixels_that_cfitsio_reads() {
 }
 
 #[test]
+#[ignore = "needs ../shared/fits-zoo"]
 fn the_same_scene_is_the_same_in_every_wrapping() {
     /// The first file of each line is the plain one.
     const SCENES: [&[&str]; 5] = [
@@ -172,7 +172,7 @@ fn the_same_scene_is_the_same_in_every_wrapping() {
             "fits-zoo/real_m13_plio.fits",
         ],
     ];
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     let mut complaints = Vec::new();
     for scene in SCENES {
         let plain = read::image(&shared.join(scene[0]), None).unwrap();
@@ -185,8 +185,9 @@ fn the_same_scene_is_the_same_in_every_wrapping() {
 }
 
 #[test]
+#[ignore = "needs ../shared/fits-zoo"]
 fn undefined_pixels_are_where_the_manifest_says() {
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     let undefined = |name: &str| {
         let image = read::image(&shared.join("fits-zoo").join(name), None).unwrap();
         let at = (0..image.pixels.len()).filter(|&n| image.pixels[n].is_nan());
@@ -203,8 +204,9 @@ fn undefined_pixels_are_where_the_manifest_says() {
 }
 
 #[test]
+#[ignore = "needs ../shared/fits-zoo"]
 fn an_hdu_can_be_chosen_by_number_and_by_name() {
-    let Some(shared) = shared() else { return };
+    let shared = shared();
     let path = shared.join("fits-zoo/ext_err_first.fits");
     let read = |choice: &str| read::image(&path, Some(&choice.parse::<HduChoice>().unwrap())).unwrap();
     let (by_number, by_name) = (read("2"), read("sci"));

@@ -57,5 +57,4 @@ pub mod run;
 pub mod simulate;
 pub mod sky;
 pub mod sources;
-#[deny(clippy::arithmetic_side_effects)]
 pub mod track;

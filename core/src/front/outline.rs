@@ -68,8 +68,7 @@ impl<L: Level> Front<L> {
     pub fn step(&self, signal: &[L], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
         let width = grid.width.get();
         let most = (rows.len() / grid.width / ROWS).max(1);
-        let band = crew.rows(grid).max(grid.height.div_ceil(most)).max(1) * width;
-        let band = band.max(1);
+        let band = (crew.rows(grid).max(grid.height.div_ceil(most)) * width).max(1);
         let bands = plane.len().div_ceil(band);
         // The first and the last row of every band, for its neighbours, who see the old ones.
         let Some((borders, rings)) = rows.split_at_mut_checked(BORDERS * width * bands) else { return };

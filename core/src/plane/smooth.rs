@@ -59,8 +59,7 @@ impl Weights {
     /// Marks the pixels of `from` that are above `level` once smoothed, and no others.
     pub fn mark<L: Level>(&self, from: &[L], level: L, room: &mut [L], to: MaskMut<'_>, grid: Grid, crew: &impl Crew) {
         // A word of the mask is of one band only.
-        let rows = rows_of_band(room.len(), grid, crew).div_ceil(WORD) * WORD;
-        let rows = rows.max(1);
+        let rows = rows_of_band(room.len(), grid, crew).next_multiple_of(WORD).max(WORD);
         let (width, kept) = (grid.width.get(), kept(grid));
         let bands = (0..).step_by(rows).zip(to.0.chunks_mut((rows / WORD * width).max(1))).zip(room.chunks_mut(kept));
         crew.each(bands, |((first, words), room)| {
@@ -166,7 +165,7 @@ impl<'a, L: Level> Ring<'a, L> {
 
     /// Where a row lies.
     fn place(&self, y: usize) -> usize {
-        let length = 2 * self.weights.radius + 1;
+        let length = (2 * self.weights.radius + 1).max(1);
         if y < self.end { y % length } else { length + y - self.end }
     }
 
@@ -206,7 +205,7 @@ impl<'a, L: Level> Ring<'a, L> {
 
 /// Cells of the room for a band.
 fn kept(grid: Grid) -> usize {
-    (grid.width.get() * ROOM_ROWS).max(1)
+    grid.width.get().saturating_mul(ROOM_ROWS).max(1)
 }
 
 /// Rows of a band: no more bands than there is room for.

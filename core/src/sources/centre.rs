@@ -171,4 +171,48 @@ mod tests {
         shape(field, &[1; 25], &mut regions);
         assert_eq!(regions.map(|region| region.shape()), [Ellipse::ROUND]);
     }
+
+    const SIDE: usize = 41;
+    const PEAK: usize = 20 * SIDE + 22;
+
+    /// The centre of a source around (20, 20) whose brightest pixel is two columns beside that, alone.
+    fn centre(scale: f32) -> (f32, f32) {
+        let mut light = [0.0f32; SIDE * SIDE];
+        for (at, value) in light.iter_mut().enumerate() {
+            let (x, y) = ((at % SIDE) as f32 - 20.0, (at / SIDE) as f32 - 20.0);
+            *value = 100.0 * libm::expf(-0.5 * (x * x + y * y) / (scale * scale));
+        }
+        light[PEAK] = 130.0;
+        let field = Field { values: &light, grid: Grid::of(light.len(), SIDE).expect("there are columns") };
+        let mut regions = [Region { peak: PEAK as u32, value: 130.0, centre: (22.0, 20.0), ..Region::BLANK }];
+        let noise = Noise { least: 1.0, photon: 0.0 };
+        centre_on_light([field, field], &[1; SIDE * SIDE], &mut regions, noise);
+        let [region] = regions;
+        region.centre
+    }
+
+    #[test]
+    fn a_wide_source_is_centred_on_its_light_and_a_narrow_one_on_its_peak() {
+        let (x, y) = centre(6.0);
+        assert!((x - 20.0).abs() < 0.05 && (y - 20.0).abs() < 0.05, "{x}, {y}");
+        assert_eq!(centre(3.0), (22.0, 20.0));
+    }
+
+    /// Whether a source with so many pixels at its top and so many others above half of it ends in a plateau.
+    fn is_plateau(level: usize, others: usize, noise: f32) -> bool {
+        let mut light = [0.0f32; SIDE * SIDE];
+        light.iter_mut().take(level + others).for_each(|value| *value = 600.0);
+        light.iter_mut().take(level).for_each(|value| *value = 1000.0);
+        let field = Field { values: &light, grid: Grid::of(light.len(), SIDE).expect("there are columns") };
+        let mut regions = [Region { value: 1000.0, ..Region::BLANK }];
+        centre_on_light([field, field], &[1; SIDE * SIDE], &mut regions, Noise { least: noise, photon: 0.0 });
+        let [region] = regions;
+        region.plateau > 0.0
+    }
+
+    #[test]
+    fn a_plateau_is_an_eighth_of_a_source_five_pixels_and_above_the_noise() {
+        assert!(is_plateau(5, 35, 29.0) && is_plateau(10, 0, 1.0));
+        assert!(!is_plateau(5, 36, 1.0) && !is_plateau(4, 0, 1.0) && !is_plateau(5, 35, 31.0));
+    }
 }

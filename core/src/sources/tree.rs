@@ -274,6 +274,7 @@ fn stands_apart<L: Level>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::grid::Grid;
 
     #[test]
     fn a_region_is_divided_from_what_became_a_source() {
@@ -283,5 +284,27 @@ mod tests {
         assert_eq!(region.divided_from(&[1, 0, 0, 2]), None, "it took the other's place");
         assert_eq!(Region { divided: 0, ..region }.divided_from(&[1; 4]), None);
         assert_eq!(Region { label: 0, ..region }.divided_from(&[1; 4]), None);
+    }
+
+    /// A brighter source with `own` of the nine pixels around a fainter one's peak nearly dark opposite to them.
+    fn is_apart(own: usize) -> bool {
+        const WIDTH: usize = 21;
+        let mut light = [0.0f32; 5 * WIDTH];
+        let [bright, faint] = [2 * WIDTH + 8, 2 * WIDTH + 12];
+        let nine = [1, 2, 3].into_iter().flat_map(|y| [11, 12, 13].map(|x| (x, y)));
+        for (n, (x, y)) in nine.enumerate() {
+            light[y * WIDTH + x] = 30.0;
+            light[(4 - y) * WIDTH + 16 - x] = if n < own { 10.0 } else { 30.0 };
+        }
+        (light[bright], light[faint]) = (100.0, 50.0);
+        let field = Field { values: &light, grid: Grid::of(light.len(), WIDTH).expect("there are columns") };
+        let region = |peak: usize, area| Region { area, sum: 290.0, ..Region::of(peak as u32, field.at(peak)) };
+        let (bright, faint) = (region(bright, 1), region(faint, 9));
+        stands_apart((&Config::NOISE_AWARE.deblending, 0.0), field, [&bright, &faint], 5.0, |_| false)
+    }
+
+    #[test]
+    fn most_of_nine_pixels_are_five() {
+        assert_eq!([0, 4, 5, 9].map(is_apart), [false, false, true, true]);
     }
 }

@@ -195,4 +195,11 @@ mod tests {
         let typical = Typical::of(None, field, 1.0, &regions, (&mut cells[..SIDE * SIDE - 1], &mut spare));
         assert_eq!(typical.light(1000.0, (100.0, 100.0), (103.0, 100.0)), 0.0);
     }
+
+    #[test]
+    fn a_quarter_of_the_sources_have_less_light() {
+        assert_eq!(quartile([7.0, 3.0, 5.0, 1.0, 6.0, 2.0, 8.0, 4.0].into_iter()), 3.0);
+        assert_eq!(quartile([9.0, 2.0, 5.0].into_iter()), 2.0);
+        assert_eq!(quartile(core::iter::empty()), 0.0);
+    }
 }

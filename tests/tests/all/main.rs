@@ -13,6 +13,7 @@ mod crosscheck;
 mod detection;
 mod detectors;
 mod documents;
+mod evidence;
 mod facts;
 mod facts_image;
 mod faults;

@@ -119,7 +119,7 @@ const CASES: &[Case] = &[
     ("deblend-sharpening", S, "", ["0.5", "2"]),
     ("deblend-excess", S, "", ["5.5", "50"]),
     ("deblend-area", S, "", ["4", "40"]),
-    ("select", S, "", ["significance", "area"]),
+    ("select", S, "threshold=0.3", ["significance", "area"]),
     ("false-sources", S, FAINT, ["0.001", "1000"]),
     ("false-share", S, FAINT, ["0", "0.5"]),
     ("min-peak", S, "", ["1.42", "4"]),

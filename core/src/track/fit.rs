@@ -20,6 +20,8 @@ const MOST: usize = 19;
 const SKY: f32 = 0.125;
 /// What a pixel of the median is worth beside one of the mean: 2 / pi.
 const MEDIAN: f32 = core::f32::consts::FRAC_2_PI;
+/// A pixel is hot from so many deviations above the sky on, if its neighbours are dark.
+const SPIKE: f32 = 8.0;
 /// A pixel is another source's from so many deviations above star and sky on.
 const SIGNIFICANT: f32 = 5.0;
 /// And from this part of the star's peak, which a PSF that is no Gaussian may have beside it.
@@ -126,7 +128,7 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
         let Border { base, rest, .. } = whole;
         let psf = Psf::<A>::of(camera.psf_sigma);
         let noise = A::root(camera.variance(f32::from(base) + rest));
-        let level = libm::ceilf(f32::from(base) + SIGNIFICANT * noise);
+        let level = libm::ceilf(f32::from(base) + SPIKE * noise);
         let centred = psf.profile(A::Real::ZERO, (0, 1));
         let [middle, beside, ..] = centred.light;
         view.leave_out_spikes(base, level as u16, 0.5 * beside.ratio(middle).to_f32());

@@ -254,9 +254,9 @@ impl<'a, P: Pixel> View<'a, P> {
         }
         let Some(own) = self.at(x, y) else { return false };
         let height = i32::from(own).saturating_sub(i32::from(base));
-        // Four neighbours and the pixel may be off by three and a half deviations together, eight of a pixel; the
-        // level is at five.
-        let noise = f32::from(level.saturating_sub(base)) * 1.6;
+        // Four neighbours and the pixel may be off by three and a half deviations together: eight of a pixel, as the
+        // level is.
+        let noise = f32::from(level.saturating_sub(base));
         count >= 3 && sum as f32 + noise < slope * height as f32 * count as f32
     }
 

@@ -133,7 +133,8 @@ fn in_room<A: Arithmetic, L: Level>(
             }
         }
     };
-    let SignalRoom { levels: [_, fine, smooth], labels, mut mesh, regions, .. } = room;
+    let SignalRoom { levels: [signal, fine, smooth], labels, mut mesh, regions, .. } = room;
+    drop(signal);
     let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
     let mut sky =
         SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, smooth].map(in_f32));

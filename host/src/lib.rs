@@ -34,7 +34,7 @@ pub mod outputs;
 pub mod parallel;
 pub mod picture;
 pub mod pipeline;
-#[allow(unsafe_code, reason = "advice to the system to use large pages, which changes no content")]
+#[allow(unsafe_code, reason = "large pages, which change no content, and tables of zeros")]
 pub mod planes;
 pub mod provenance;
 pub mod read;

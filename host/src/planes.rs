@@ -94,7 +94,7 @@ impl<L: Level> SignalRoom<L> {
             masked: vec![0; mask_words(count)],
             rows: vec![L::BLANK; room_rows(count / columns.max(1), threads) * columns],
             mesh: vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())],
-            regions: vec![Region::BLANK; regions],
+            regions: blank_regions(regions),
         }
     }
 
@@ -104,6 +104,13 @@ impl<L: Level> SignalRoom<L> {
         let SignalRoom { labels, masked, rows, mesh, regions, .. } = self;
         Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions }
     }
+}
+
+/// Regions that are [`Region::BLANK`]. Of a table of zeros the system gives as much as is written to.
+fn blank_regions<L: Level>(count: usize) -> Vec<Region<L>> {
+    let zeros = Box::<[Region<L>]>::new_zeroed_slice(count);
+    // SAFETY: a region of which all bits are 0 is a blank one: it is made of numbers.
+    unsafe { zeros.assume_init() }.into_vec()
 }
 
 /// Bands of rows for each thread: who is done early takes another.

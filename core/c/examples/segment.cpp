@@ -26,7 +26,7 @@ int32_t row(void *context, size_t y, float *out, size_t columns)
 int32_t segment()
 {
   const skyfront_setting settings[] = {{"min-area", "3"}};
-  const skyfront_setup setup = {SKYFRONT_PRESET_PAPER_F160, width, height, sources, settings, 1};
+  const skyfront_setup setup = {SKYFRONT_PRESET_PAPER_F160, width, height, sources, settings, 1, nullptr, 0};
   char message[96];
   skyfront_run *run = nullptr;
   if (const int32_t error = skyfront_run_start(memory, sizeof memory, &setup, &run, message, sizeof message)) {

@@ -117,6 +117,16 @@
 #define SKYFRONT_ERROR_INDEX 18
 
 /*
+ The parameter table is damaged, or of another version.
+ */
+#define SKYFRONT_ERROR_TABLE 19
+
+/*
+ The parameter table of the setup.
+ */
+#define SKYFRONT_PRESET_TABLE 0
+
+/*
  The paper's setting for frames that are nearly noiseless.
  */
 #define SKYFRONT_PRESET_PAPER_F160 1
@@ -208,6 +218,14 @@ typedef struct skyfront_setup {
    How many.
    */
   size_t setting_count;
+  /*
+   A parameter table, for SKYFRONT_PRESET_TABLE; else null.
+   */
+  const uint8_t *table;
+  /*
+   Its bytes.
+   */
+  size_t table_bytes;
 } skyfront_setup;
 
 /*
@@ -452,6 +470,36 @@ int32_t skyfront_run_start(void *memory,
                            struct skyfront_run **run,
                            char *message,
                            size_t message_bytes);
+
+/*
+ Bytes of a parameter table.
+ */
+size_t skyfront_table_bytes(void);
+
+/*
+ Writes the parameters of a setup as a parameter table of `skyfront_table_bytes()` bytes, with a CRC-32 at its
+ end: what is made on the ground and loaded on board. `message` as for `skyfront_run_start`.
+
+ # Safety
+ `setup` points to a setup whose settings are texts that end with a zero, `table` to `table_bytes` bytes,
+ `message` to `message_bytes` bytes.
+ */
+int32_t skyfront_table_write(const struct skyfront_setup *setup,
+                             uint8_t *table,
+                             size_t table_bytes,
+                             char *message,
+                             size_t message_bytes);
+
+/*
+ Checks a parameter table: length, version, CRC-32, and every value against its bounds.
+
+ # Safety
+ `table` points to `table_bytes` bytes, `message` to `message_bytes` bytes.
+ */
+int32_t skyfront_table_check(const uint8_t *table,
+                             size_t table_bytes,
+                             char *message,
+                             size_t message_bytes);
 
 /*
  Does at most `rows` rows of the run on a frame of 16 bits per pixel, in the processor's byte order, whose rows

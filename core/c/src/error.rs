@@ -42,9 +42,11 @@ pub const SKYFRONT_ERROR_SETTING: i32 = 16;
 pub const SKYFRONT_ERROR_NOT_DONE: i32 = 17;
 /// There is no row or source of this number.
 pub const SKYFRONT_ERROR_INDEX: i32 = 18;
+/// The parameter table is damaged, or of another version.
+pub const SKYFRONT_ERROR_TABLE: i32 = 19;
 
 /// Their texts, in the order of the numbers.
-const TEXTS: [&CStr; 19] = [
+const TEXTS: [&CStr; 20] = [
     c"no error",
     c"a parameter is out of its bounds",
     c"the image has an unsupported size",
@@ -64,6 +66,7 @@ const TEXTS: [&CStr; 19] = [
     c"there is no setting of this name, or none with this value",
     c"the run has not ended yet",
     c"there is no row or source of this number",
+    c"the parameter table is damaged, or of another version",
 ];
 
 /// What a number says, as a text that stays; "unknown error" for a number that is none.
@@ -131,13 +134,14 @@ mod tests {
             (SKYFRONT_ERROR_NO_NOISE, "no noise"),
             (SKYFRONT_ERROR_FRAME, "deliver a row"),
             (SKYFRONT_ERROR_INDEX, "of this number"),
+            (SKYFRONT_ERROR_TABLE, "table"),
             (-1, "unknown"),
             (TEXTS.len() as i32, "unknown"),
         ] {
             assert!(text(number).is_ok_and(|text| text.contains(words)), "{number}: {words}");
         }
         assert_eq!((SKYFRONT_OK, SKYFRONT_ERROR_LENGTH, SKYFRONT_ERROR_FRAME, SKYFRONT_ERROR_INDEX), (0, 3, 13, 18));
-        assert_eq!(TEXTS.len(), 19);
+        assert_eq!(TEXTS.len(), 20);
     }
 
     #[test]

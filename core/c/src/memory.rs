@@ -50,6 +50,8 @@ impl Block {
 /// Bytes of the slices of a run, each with what its alignment may cost; 0 where they cannot be counted.
 pub const fn slices(width: usize, height: usize, sources: usize) -> usize {
     const MOST: usize = 1 << 28;
+    /// What the alignment of seven slices may cost.
+    const PADDING: u128 = 7 * ALIGNMENT as u128;
     if width > MOST || height > MOST || sources > MOST {
         return 0;
     }
@@ -61,6 +63,7 @@ pub const fn slices(width: usize, height: usize, sources: usize) -> usize {
         .saturating_mul(size_of::<f32>() as u128)
         .saturating_add(flags)
         .saturating_add(sources.saturating_mul(size_of::<Source>() as u128))
-        .saturating_add((size_of::<Histogram>() + 7 * ALIGNMENT) as u128);
+        .saturating_add(size_of::<Histogram>() as u128)
+        .saturating_add(PADDING);
     if bytes > isize::MAX as u128 { 0 } else { bytes as usize }
 }

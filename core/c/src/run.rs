@@ -2,13 +2,14 @@
 
 use crate::error::{
     Message, SKYFRONT_ERROR_INDEX, SKYFRONT_ERROR_LENGTH, SKYFRONT_ERROR_NOT_DONE, SKYFRONT_ERROR_POINTER,
-    SKYFRONT_ERROR_PRESET, SKYFRONT_ERROR_SETTING, SKYFRONT_OK, number,
+    SKYFRONT_ERROR_PRESET, SKYFRONT_ERROR_SETTING, SKYFRONT_ERROR_TABLE, SKYFRONT_OK, number,
 };
 use crate::memory::{ALIGNMENT, Block, slices};
 use crate::pointer::{slice, slice_mut, text};
 use core::ffi::{c_char, c_void};
 use core::fmt::{Display, Write};
 use skyfront_core::arithmetic::{Cell, F32};
+use skyfront_core::config::bytes::{TableError, length};
 use skyfront_core::config::{Config, Parameter};
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::memory::{Memory, SEGMENTER_BYTES, flags_len, ring_cells};
@@ -18,6 +19,8 @@ use skyfront_core::sky::otsu::Histogram;
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::track::Pixel;
 
+/// The parameter table of the setup.
+pub const SKYFRONT_PRESET_TABLE: u32 = 0;
 /// The paper's setting for frames that are nearly noiseless.
 pub const SKYFRONT_PRESET_PAPER_F160: u32 = 1;
 /// The paper's setting for real frames.
@@ -64,6 +67,10 @@ pub struct skyfront_setup {
     pub settings: *const skyfront_setting,
     /// How many.
     pub setting_count: usize,
+    /// A parameter table, for SKYFRONT_PRESET_TABLE; else null.
+    pub table: *const u8,
+    /// Its bytes.
+    pub table_bytes: usize,
 }
 
 /// How far a run is, and at its end what it found.
@@ -146,11 +153,8 @@ pub unsafe extern "C" fn skyfront_run_start(
     message: *mut c_char,
     message_bytes: usize,
 ) -> i32 {
-    // SAFETY: the caller's promise; a message that is not wanted has no bytes.
-    let given = unsafe {
-        let message_bytes = if message.is_null() { 0 } else { message_bytes };
-        (slice(setup, 1), slice_mut(run, 1), slice_mut(message.cast::<u8>(), message_bytes))
-    };
+    // SAFETY: the caller's promise.
+    let given = unsafe { (slice(setup, 1), slice_mut(run, 1), buffer(message, message_bytes)) };
     let (Some([setup]), Some([run]), Some(buffer)) = given else { return SKYFRONT_ERROR_POINTER };
     if memory.is_null() {
         return SKYFRONT_ERROR_POINTER;
@@ -219,6 +223,8 @@ fn memory(block: &mut Block, setup: &skyfront_setup) -> Option<Memory<'static, F
 /// The settings are texts that end with a zero.
 unsafe fn config(setup: &skyfront_setup, message: &mut Message<'_>) -> Result<Config, i32> {
     let mut config = match setup.preset {
+        // SAFETY: the caller's promise.
+        SKYFRONT_PRESET_TABLE => read(unsafe { slice(setup.table, setup.table_bytes) }, message)?,
         SKYFRONT_PRESET_PAPER_F160 => Config::PAPER_F160.with_time_for(setup.width, setup.height),
         SKYFRONT_PRESET_PAPER_REAL => Config::PAPER_REAL.with_time_for(setup.width, setup.height),
         _ => return Err(SKYFRONT_ERROR_PRESET),
@@ -240,6 +246,81 @@ unsafe fn config(setup: &skyfront_setup, message: &mut Message<'_>) -> Result<Co
         })?;
     }
     Ok(config)
+}
+
+/// The configuration of a parameter table.
+fn read(bytes: Option<&[u8]>, message: &mut Message<'_>) -> Result<Config, i32> {
+    Config::from_bytes(bytes.ok_or(SKYFRONT_ERROR_POINTER)?).map_err(|error| {
+        tell(message, &error);
+        match error {
+            TableError::Length { .. } => SKYFRONT_ERROR_LENGTH,
+            TableError::Foreign { .. } | TableError::Damaged => SKYFRONT_ERROR_TABLE,
+            TableError::Form { .. } => SKYFRONT_ERROR_SETTING,
+            TableError::Value(error) => number(&error),
+        }
+    })
+}
+
+/// Bytes of a parameter table.
+#[unsafe(no_mangle)]
+pub extern "C" fn skyfront_table_bytes() -> usize {
+    length()
+}
+
+/// Writes the parameters of a setup as a parameter table of `skyfront_table_bytes()` bytes, with a CRC-32 at its
+/// end: what is made on the ground and loaded on board. `message` as for `skyfront_run_start`.
+///
+/// # Safety
+/// `setup` points to a setup whose settings are texts that end with a zero, `table` to `table_bytes` bytes,
+/// `message` to `message_bytes` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn skyfront_table_write(
+    setup: *const skyfront_setup,
+    table: *mut u8,
+    table_bytes: usize,
+    message: *mut c_char,
+    message_bytes: usize,
+) -> i32 {
+    // SAFETY: the caller's promise.
+    let given = unsafe { (slice(setup, 1), slice_mut(table, table_bytes), buffer(message, message_bytes)) };
+    let (Some([setup]), Some(table), Some(buffer)) = given else { return SKYFRONT_ERROR_POINTER };
+    let mut message = Message { buffer, length: 0 };
+    // SAFETY: the caller's promise.
+    let written = unsafe { config(setup, &mut message) }.and_then(|config| {
+        let checked = config.validate_values().and_then(|()| config.to_bytes(table));
+        checked.map_err(|error| {
+            tell(&mut message, &error);
+            number(&error)
+        })
+    });
+    written.map_or_else(|error| error, |()| SKYFRONT_OK)
+}
+
+/// Checks a parameter table: length, version, CRC-32, and every value against its bounds.
+///
+/// # Safety
+/// `table` points to `table_bytes` bytes, `message` to `message_bytes` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn skyfront_table_check(
+    table: *const u8,
+    table_bytes: usize,
+    message: *mut c_char,
+    message_bytes: usize,
+) -> i32 {
+    // SAFETY: the caller's promise.
+    let (table, buffer) = unsafe { (slice(table, table_bytes), buffer(message, message_bytes)) };
+    let Some(buffer) = buffer else { return SKYFRONT_ERROR_POINTER };
+    let mut message = Message { buffer, length: 0 };
+    read(table, &mut message).map_or_else(|error| error, |_| SKYFRONT_OK)
+}
+
+/// The caller's room for a message; none wanted has no bytes.
+///
+/// # Safety
+/// Where it is not null, `message` points to `bytes` bytes.
+unsafe fn buffer<'a>(message: *mut c_char, bytes: usize) -> Option<&'a mut [u8]> {
+    // SAFETY: the caller's promise.
+    unsafe { slice_mut(message.cast::<u8>(), if message.is_null() { 0 } else { bytes }) }
 }
 
 /// Rows from a buffer of pixels.

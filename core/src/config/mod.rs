@@ -1,12 +1,14 @@
 //! What a run is to do: immutable, validated once, with the paper's values as defaults.
 
+#[deny(clippy::arithmetic_side_effects)]
+pub mod bytes;
 mod parameter;
 mod sources;
 mod table;
 mod validate;
 
 pub use parameter::{End, Forms, Need, Numbers, Parameter, Range, Step, Value, Word};
-pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, part_area};
+pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, narrow_area, part_area};
 pub use table::PARAMETERS;
 
 use crate::arithmetic::digest::Digest;

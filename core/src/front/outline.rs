@@ -68,17 +68,17 @@ impl<L: Level> Front<L> {
     pub fn step(&self, signal: &[L], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
         let width = grid.width.get();
         let most = (rows.len() / grid.width / ROWS).max(1);
-        let band = crew.rows(grid).max(grid.height.div_ceil(most)).max(1) * width;
+        let band = (crew.rows(grid).max(grid.height.div_ceil(most)) * width).max(1);
         let bands = plane.len().div_ceil(band);
         // The first and the last row of every band, for its neighbours, who see the old ones.
         let Some((borders, rings)) = rows.split_at_mut_checked(BORDERS * width * bands) else { return };
-        for (borders, band) in borders.chunks_exact_mut(BORDERS * width).zip(plane.chunks(band)) {
+        for (borders, band) in borders.chunks_exact_mut((BORDERS * width).max(1)).zip(plane.chunks(band)) {
             let ends = band.get(..width).into_iter().chain(band.get(band.len().saturating_sub(width)..)).flatten();
             borders.iter_mut().zip(ends).for_each(|(border, &u)| *border = L::from_bits(u));
         }
         let borders = &*borders;
         let border = |row: Option<usize>| row.map_or(&[][..], |row| row_of(borders, width, row));
-        let rings = rings.chunks_exact_mut(RING * width);
+        let rings = rings.chunks_exact_mut((RING * width).max(1));
         let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings).enumerate();
         crew.each(bands, |(index, ((plane, signal), ring))| {
             let beside = [border((2 * index).checked_sub(1)), border(Some(2 * index + 2))];
@@ -113,19 +113,26 @@ impl<L: Level> Front<L> {
     }
 
     fn row(&self, old: Around<'_, L>, signal: &[L], out: &mut [u32]) {
-        for (piece, (out, signal)) in out.chunks_mut(PIECE).zip(signal.chunks(PIECE)).enumerate() {
-            let first = piece.saturating_mul(PIECE);
-            if old.is_flat(first, out.len()) {
+        let pieces = (0..).step_by(PIECE).zip(out.chunks_mut(PIECE).zip(signal.chunks(PIECE)));
+        for (first, (out, signal)) in pieces {
+            let mut beyond = [[L::ZERO; WINDOW]; 3];
+            let near = old.window(first, &mut beyond);
+            if is_flat(near) {
                 continue;
             }
-            let near = old.window(first);
-            let [below, own, above] = near.each_ref().map(|row| row.array_windows::<3>());
-            for ((((out, &signal), &below), &own), &above) in out.iter_mut().zip(signal).zip(below).zip(own).zip(above)
-            {
-                let change = self.change([below, own, above], within(signal - self.threshold, FORCE));
+            let mut force = [L::ZERO; PIECE];
+            force.iter_mut().zip(signal).for_each(|(force, &signal)| *force = within(signal - self.threshold, FORCE));
+            let mut moved = [L::ZERO; PIECE];
+            // Spelled out: the compiler leaves a map over arrays a loop of calls.
+            let [below, own, above] = near;
+            for x in 0..PIECE {
+                let (Some(moved), Some(&force)) = (moved.get_mut(x), force.get(x)) else { break };
+                let (below, own, above) = (three(below, x), three(own, x), three(above, x));
                 let [_, middle, _] = own;
-                *out = within(middle + change.scaled(L::Weight::of(STEP)), BAND).bits();
+                let change = self.change([below, own, above], force);
+                *moved = within(middle + change.scaled(L::Weight::of(STEP)), BAND);
             }
+            out.iter_mut().zip(moved).for_each(|(out, moved)| *out = moved.bits());
         }
     }
 
@@ -187,34 +194,45 @@ fn within<L: Level>(value: L, most: f32) -> L {
     value.least(most).greatest(-most)
 }
 
-impl<L: Level> Around<'_, L> {
-    /// Whether a piece of the middle row and all around it has one value: then nothing moves there.
-    fn is_flat(&self, first: usize, length: usize) -> bool {
-        let Around([_, own, _]) = self;
-        let Some(&value) = own.get(first) else { return true };
-        let (start, end) = (first.saturating_sub(1), first.saturating_add(length).saturating_add(1).min(own.len()));
-        let is_one = |piece: &[L]| piece.iter().fold(true, |one, &u| one & (u == value));
-        self.0.iter().all(|row| row.get(start..end).is_some_and(is_one))
-    }
+/// A piece with a column on either side.
+const WINDOW: usize = PIECE + 2;
 
-    /// The rows around a piece, with a column on either side; beyond a row the values are those of
-    /// its end.
-    fn window(&self, first: usize) -> [[L; PIECE + 2]; 3] {
-        self.0.map(|row| {
-            let mut window = [L::ZERO; PIECE + 2];
-            match first.checked_sub(1).and_then(|start| row.get(start..start.saturating_add(PIECE + 2))) {
-                Some(inner) => window.iter_mut().zip(inner).for_each(|(value, &u)| *value = u),
-                None => {
-                    let last = row.len().saturating_sub(1);
-                    for (index, value) in window.iter_mut().enumerate() {
-                        let x = first.saturating_add(index).saturating_sub(1).min(last);
-                        *value = row.get(x).copied().unwrap_or(L::ZERO);
-                    }
-                }
-            }
-            window
-        })
+/// Whether a piece of the middle row and all around it has one value: then nothing moves there.
+#[inline(always)]
+fn is_flat<L: Level>(near: [&[L; WINDOW]; 3]) -> bool {
+    let [below, own, above] = near;
+    let [_, value, ..] = own;
+    let is_one = |row: &[L; WINDOW]| row.iter().fold(true, |one, u| one & (u == value));
+    is_one(own) && is_one(below) && is_one(above)
+}
+
+/// The values at a column of a window and at the next two.
+#[inline(always)]
+fn three<L: Level>(row: &[L; WINDOW], x: usize) -> [L; 3] {
+    let at = |x: usize| row.get(x).copied().unwrap_or(L::ZERO);
+    [at(x), at(x + 1), at(x + 2)]
+}
+
+impl<L: Level> Around<'_, L> {
+    /// The rows around a piece; what is `beyond` a row has the value of its end.
+    #[inline(always)]
+    fn window<'w>(&'w self, first: usize, beyond: &'w mut [[L; WINDOW]; 3]) -> [&'w [L; WINDOW]; 3] {
+        let ([below, own, above], [under, beside, over]) = (self.0, beyond);
+        [window(below, first, under), window(own, first, beside), window(above, first, over)]
     }
+}
+
+#[inline(always)]
+fn window<'w, L: Level>(row: &'w [L], first: usize, beyond: &'w mut [L; WINDOW]) -> &'w [L; WINDOW] {
+    if let Some(inner) = first.checked_sub(1).and_then(|start| row.get(start..)?.first_chunk()) {
+        return inner;
+    }
+    let last = row.len().saturating_sub(1);
+    for (index, value) in beyond.iter_mut().enumerate() {
+        let x = first.saturating_add(index).saturating_sub(1).min(last);
+        *value = row.get(x).copied().unwrap_or(L::ZERO);
+    }
+    beyond
 }
 
 #[cfg(test)]

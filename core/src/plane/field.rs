@@ -13,6 +13,43 @@ pub fn offset<L: Level>(pixels: f32) -> L {
     L::of(libm::roundf(pixels * PARTS) / PARTS)
 }
 
+/// The shape of a source's isophotes: ellipses around its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipse<L> {
+    /// Second moments along x, of x and y, and along y, as parts of the root of their determinant.
+    moments: [L; 3],
+}
+
+impl<L: Level> Ellipse<L> {
+    /// A circle.
+    pub const ROUND: Ellipse<L> = Ellipse { moments: [L::ONE, L::ZERO, L::ONE] };
+
+    /// From the differences of second moments `(xx - yy, 2 xy)` as parts of `xx + yy`; a circle where one axis is
+    /// longer than ten of the other.
+    pub fn of((along, across): (f32, f32)) -> Ellipse<L> {
+        /// What is left of 1 with axes of 1 to 10.
+        const THINNEST: f32 = 0.039;
+        let left = 1.0 - along * along - across * across;
+        if left > THINNEST {
+            let root = libm::sqrtf(left);
+            Ellipse { moments: [(1.0 + along) / root, across / root, (1.0 - along) / root].map(L::of) }
+        } else {
+            Ellipse::ROUND
+        }
+    }
+
+    /// The seven other places on the ellipse through a place, from the centre; as seen in the circle that the ellipse
+    /// becomes when it is stretched, 45 degrees apart.
+    fn turned(&self, (x, y): (L, L)) -> [(L, L); 7] {
+        let [xx, xy, yy] = self.moments;
+        let slanted = |value: L| value.scaled(L::Weight::of(core::f32::consts::FRAC_1_SQRT_2));
+        // Those at a quarter of a turn, and half way there.
+        let (p, q) = (xy * x - xx * y, yy * x - xy * y);
+        let ((a, b), (c, d)) = ((slanted(x + p), slanted(y + q)), (slanted(p - x), slanted(q - y)));
+        [(a, b), (p, q), (c, d), (-x, -y), (-a, -b), (-p, -q), (-c, -d)]
+    }
+}
+
 /// A plane that is read at any place.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a, L> {
@@ -59,14 +96,37 @@ impl<L: Level> Field<'_, L> {
     /// The median of the values as far from a centre as a place, at the seven others in steps of 45
     /// degrees; 0 counts for what is beyond the frame.
     pub fn around(&self, centre: (L, L), place: (L, L)) -> L {
-        let (x, y) = (place.0 - centre.0, place.1 - centre.1);
-        let slanted = |value: L| value.scaled(L::Weight::of(core::f32::consts::FRAC_1_SQRT_2));
-        let (u, v) = (slanted(x - y), slanted(x + y));
-        let turned = [(u, v), (-y, x), (-v, u), (-x, -y), (-u, -v), (y, -x), (v, -u)];
+        let off = (place.0 - centre.0, place.1 - centre.1);
+        let turned = Ellipse::ROUND.turned(off);
         let mut values = turned.map(|(x, y)| self.between((centre.0 + x, centre.1 + y)).unwrap_or(L::ZERO));
         sort::few(&mut values, |a, b| a.key() < b.key());
         let [_, _, _, median, ..] = values;
         median
+    }
+
+    /// The median of the values on an ellipse around a centre at the seven places other than the given one, as far as
+    /// they are in the frame and the pixel nearest to them `counts`; `None` where none is.
+    pub fn on_ellipse(
+        &self,
+        (centre, shape): ((L, L), Ellipse<L>),
+        place: (L, L),
+        counts: impl Fn(usize) -> bool,
+    ) -> Option<L> {
+        let turned = shape.turned((place.0 - centre.0, place.1 - centre.1));
+        let (mut values, mut count) = ([L::ZERO; 7], 0);
+        for (x, y) in turned {
+            let place = (centre.0 + x, centre.1 + y);
+            if let (Some(value), Some(at), Some(free)) =
+                (self.between(place), self.nearest(place), values.get_mut(count))
+                && counts(at)
+            {
+                *free = value;
+                count += 1;
+            }
+        }
+        let values = values.get_mut(..count).unwrap_or(&mut []);
+        sort::few(values, |a, b| a.key() < b.key());
+        values.get(count / 2).copied()
     }
 
     /// The place, (x, y), of a pixel.
@@ -117,6 +177,8 @@ mod tests {
     use super::*;
     use crate::arithmetic::Fixed14;
 
+    extern crate std;
+
     /// Around the centre (3, 3) the values are those of the directions, from the right upwards.
     fn around<L: Level>(light: [f32; 8]) -> f32 {
         let mut values = [L::ZERO; 49];
@@ -136,5 +198,51 @@ mod tests {
             assert!((around::<f32>(light) - 4.0).abs() < 1e-3, "{}", around::<f32>(light));
             assert!((around::<Fixed14>(light) - 4.0).abs() < 1e-2, "{}", around::<Fixed14>(light));
         }
+    }
+
+    /// A plane of 33 x 33 of which the isophotes are ellipses around (16, 16) with axes of 1 and 2, the longer towards
+    /// (4, 3); with their shape.
+    fn ellipses<L: Level>() -> (std::vec::Vec<L>, Ellipse<L>) {
+        let light = |at: usize| {
+            let (x, y) = ((at % 33) as f32 - 16.0, (at / 33) as f32 - 16.0);
+            let (along, across) = (0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x);
+            L::of(40.0 - libm::hypotf(along, 2.0 * across))
+        };
+        // Moments of 4 and 1 along the axes are (0.28, 0.96) times 3/5 along x and y.
+        ((0..33 * 33).map(light).collect(), Ellipse::of((0.6 * 0.28, 0.6 * 0.96)))
+    }
+
+    fn light_is_level_on_ellipses<L: Level>() {
+        let (values, shape) = ellipses::<L>();
+        let field = Field { values: &values, grid: Grid::of(33 * 33, 33).expect("there are columns") };
+        let centre = (L::whole(16), L::whole(16));
+        for at in [16 * 33 + 20, 19 * 33 + 20, 12 * 33 + 18, 22 * 33 + 15] {
+            let light = |shape, counts: &dyn Fn(usize) -> bool| {
+                field.on_ellipse((centre, shape), field.place(at), counts).map(L::to_f32)
+            };
+            let (own, found) = (field.at(at).to_f32(), light(shape, &|_| true).expect("it lies in the frame"));
+            assert!((own - found).abs() < 0.15, "{found}, not {own}");
+            let round = light(Ellipse::ROUND, &|_| true).expect("it lies in the frame");
+            assert!((own - round).abs() > 0.5, "{round} is hardly another than {own}");
+            assert_eq!(light(shape, &|_| false), None);
+            let right = light(shape, &|at| at % 33 > 18);
+            assert!(right.is_some_and(|found| (own - found).abs() < 0.3), "{right:?}, not {own}");
+        }
+        // From (34, 34), beyond the frame: the light at 25.2 along the longer axis and 3.6 across it.
+        let beside = field.on_ellipse((centre, shape), (L::whole(34), L::whole(34)), |_| true).map(L::to_f32);
+        assert!(beside.is_some_and(|light| (light - 13.8).abs() < 0.2), "{beside:?}: only what is in the frame counts");
+    }
+
+    #[test]
+    fn light_is_level_on_ellipses_in_both_arithmetics() {
+        light_is_level_on_ellipses::<f32>();
+        light_is_level_on_ellipses::<Fixed14>();
+    }
+
+    #[test]
+    fn a_needle_is_taken_for_round() {
+        assert_eq!(Ellipse::<f32>::of((0.99, 0.0)), Ellipse::ROUND);
+        assert_eq!(Ellipse::<f32>::of((0.0, -1.0)), Ellipse::ROUND);
+        assert_ne!(Ellipse::<f32>::of((0.0, -0.97)), Ellipse::ROUND);
     }
 }

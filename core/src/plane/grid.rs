@@ -40,19 +40,17 @@ impl Grid {
         let ((x, y), width) = (self.place(at), self.width.get());
         let (left, right, below, above) = (x > 0, x + 1 < width, y > 0, y + 1 < self.height);
         let (under, over) = (at.wrapping_sub(width), at + width);
-        [
-            (left, at.wrapping_sub(1)),
-            (right, at + 1),
-            (below, under),
-            (above, over),
-            (below && left, under.wrapping_sub(1)),
-            (below && right, under.wrapping_add(1)),
-            (above && left, over.wrapping_sub(1)),
-            (above && right, over + 1),
-        ]
-        .into_iter()
-        .take(most)
-        .filter_map(|(inside, near)| inside.then_some(near))
+        let inside = [left, right, below, above, below & left, below & right, above & left, above & right];
+        // A bit for each that is within the frame.
+        let mut open = inside.iter().rev().fold(0u32, |bits, &inside| bits << 1 | u32::from(inside));
+        open &= (1 << most.min(8)) - 1;
+        let (before, behind) = (under.wrapping_sub(1), over.wrapping_sub(1));
+        let near = [at.wrapping_sub(1), at + 1, under, over, before, under.wrapping_add(1), behind, over + 1];
+        core::iter::from_fn(move || {
+            let next = open.trailing_zeros() as usize;
+            open &= open.wrapping_sub(1);
+            near.get(next).copied()
+        })
     }
 }
 

@@ -19,6 +19,7 @@ const PIECE: usize = 16;
 
 /// The first cell from `from` on that has one of the `bits`: most of a plane of labels has none. Cost: a look at
 /// each cell up to there, some at a time.
+#[inline]
 pub fn next_with(plane: &[u32], from: usize, bits: u32) -> Option<usize> {
     let rest = plane.get(from..)?;
     let has = |cell: &u32| cell & bits != 0;
@@ -44,9 +45,12 @@ pub fn last_with(plane: &[u32], end: usize, bits: u32) -> Option<usize> {
 
 /// The cells that are not 0, with their indices.
 pub fn used(plane: &[u32]) -> impl Iterator<Item = (usize, u32)> {
-    let pieces = (0..).step_by(PIECE).zip(plane.chunks(PIECE));
-    let used = pieces.filter(|(_, piece)| piece.iter().fold(0, |any, cell| any | cell) != 0);
-    used.flat_map(|(first, piece)| (first..).zip(piece.iter().copied())).filter(|(_, cell)| *cell != 0)
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let at = next_with(plane, next, u32::MAX)?;
+        next = at + 1;
+        plane.get(at).map(|&cell| (at, cell))
+    })
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ impl Weights {
     /// begins with the centre and goes outwards. Cost: `4 radius` additions per pixel.
     pub fn apply<L: Level>(&self, from: &[L], room: &mut [L], to: &mut [L], grid: Grid, crew: &impl Crew) {
         let (width, rows) = (grid.width.get(), rows_of_band(room.len(), grid, crew));
-        let bands = (0..).step_by(rows).zip(to.chunks_mut(rows * width)).zip(room.chunks_mut(kept(grid)));
+        let bands = (0..).step_by(rows).zip(to.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept(grid)));
         crew.each(bands, |((first, to), room)| {
             let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
             for (y, out) in (first..).zip(to.chunks_exact_mut(width)) {
@@ -59,9 +59,9 @@ impl Weights {
     /// Marks the pixels of `from` that are above `level` once smoothed, and no others.
     pub fn mark<L: Level>(&self, from: &[L], level: L, room: &mut [L], to: MaskMut<'_>, grid: Grid, crew: &impl Crew) {
         // A word of the mask is of one band only.
-        let rows = rows_of_band(room.len(), grid, crew).next_multiple_of(WORD);
+        let rows = rows_of_band(room.len(), grid, crew).next_multiple_of(WORD).max(WORD);
         let (width, kept) = (grid.width.get(), kept(grid));
-        let bands = (0..).step_by(rows).zip(to.0.chunks_mut(rows / WORD * width)).zip(room.chunks_mut(kept));
+        let bands = (0..).step_by(rows).zip(to.0.chunks_mut((rows / WORD * width).max(1))).zip(room.chunks_mut(kept));
         crew.each(bands, |((first, words), room)| {
             let (out, room) = room.split_at_mut_checked(width).unwrap_or_default();
             let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
@@ -95,7 +95,7 @@ impl Weights {
                 ring.smooth(y, row_of(before, width, y));
             }
         });
-        let bands = (0..).step_by(rows).zip(plane.chunks_mut(rows * width)).zip(room.chunks_mut(kept));
+        let bands = (0..).step_by(rows).zip(plane.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept));
         let gain = L::Weight::of(1.0 + strength);
         crew.each(bands, |((first, plane), room)| {
             let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first);
@@ -118,18 +118,31 @@ impl Weights {
         let ([centre, ..], width) = (self.weights, row.len());
         let centre = L::Weight::of(centre);
         out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
-        for (distance, weight) in self.sides() {
-            let weight = L::Weight::of(weight);
-            let inner = width.saturating_sub(2 * distance);
-            if let (Some(left), Some(right)) = (row.get(..inner), row.get(width - inner..)) {
-                add(out.get_mut(distance..distance + inner).unwrap_or(&mut []), left, right, weight);
+        // Within the row by slices, at its ends by the mirror.
+        let inner = width.saturating_sub(2 * self.radius);
+        let end = if inner > 0 { self.radius } else { width };
+        let tap = |(distance, weight): (usize, f32)| {
+            let from = |first: usize| row.get(first..first + inner).unwrap_or(&[]);
+            (from(end.saturating_sub(distance)), from(end + distance), L::Weight::of(weight))
+        };
+        self.add_taps(out.get_mut(end..end + inner).unwrap_or(&mut []), tap);
+        for x in (0..end).chain(end + inner..width) {
+            let Some(out) = out.get_mut(x) else { break };
+            for (distance, weight) in self.sides() {
+                let [below, above] = mirrored(x, distance, width);
+                let at = |x: usize| row.get(x).copied().unwrap_or(L::ZERO);
+                *out = *out + (at(below) + at(above)).scaled(L::Weight::of(weight));
             }
-            let left_end = if inner > 0 { distance } else { width };
-            for x in (0..left_end).chain((left_end + inner).min(width)..width) {
-                let [below, above] = mirrored(x, distance, width).map(|at| row.get(at).copied().unwrap_or(L::ZERO));
-                if let Some(out) = out.get_mut(x) {
-                    *out = *out + (below + above).scaled(weight);
-                }
+        }
+    }
+
+    /// Adds what lies at each distance on both sides, two distances in a pass.
+    fn add_taps<'r, L: Level>(&self, out: &mut [L], tap: impl Fn((usize, f32)) -> Tap<'r, L>) {
+        let mut sides = self.sides();
+        while let Some(near) = sides.next() {
+            match sides.next() {
+                Some(far) => add_both(out, tap(near), tap(far)),
+                None => add(out, tap(near)),
             }
         }
     }
@@ -152,7 +165,7 @@ impl<'a, L: Level> Ring<'a, L> {
 
     /// Where a row lies.
     fn place(&self, y: usize) -> usize {
-        let length = 2 * self.weights.radius + 1;
+        let length = (2 * self.weights.radius + 1).max(1);
         if y < self.end { y % length } else { length + y - self.end }
     }
 
@@ -182,16 +195,17 @@ impl<'a, L: Level> Ring<'a, L> {
         let row = |y: usize| row_of(self.rows, self.grid.width.get(), self.place(y));
         let centre = L::Weight::of(gain * centre);
         out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
-        for (distance, weight) in self.weights.sides() {
+        let tap = |(distance, weight): (usize, f32)| {
             let [below, above] = mirrored(y, distance, self.grid.height);
-            add(out, row(below), row(above), L::Weight::of(gain * weight));
-        }
+            (row(below), row(above), L::Weight::of(gain * weight))
+        };
+        self.weights.add_taps(out, tap);
     }
 }
 
 /// Cells of the room for a band.
 fn kept(grid: Grid) -> usize {
-    grid.width.get() * ROOM_ROWS
+    grid.width.get().saturating_mul(ROOM_ROWS).max(1)
 }
 
 /// Rows of a band: no more bands than there is room for.
@@ -200,9 +214,19 @@ fn rows_of_band(room: usize, grid: Grid, crew: &impl Crew) -> usize {
     crew.rows(grid).max(grid.height.div_ceil(bands)).max(1)
 }
 
-fn add<L: Level>(out: &mut [L], left: &[L], right: &[L], weight: L::Weight) {
+/// What lies at a distance on both sides, and its weight.
+type Tap<'r, L> = (&'r [L], &'r [L], <L as Level>::Weight);
+
+fn add<L: Level>(out: &mut [L], (left, right, weight): Tap<'_, L>) {
     for ((out, left), right) in out.iter_mut().zip(left).zip(right) {
         *out = *out + (*left + *right).scaled(weight);
+    }
+}
+
+/// Two taps, one after the other, in one pass.
+fn add_both<L: Level>(out: &mut [L], near: Tap<'_, L>, far: Tap<'_, L>) {
+    for ((((out, below), above), under), over) in out.iter_mut().zip(near.0).zip(near.1).zip(far.0).zip(far.1) {
+        *out = *out + (*below + *above).scaled(near.2) + (*under + *over).scaled(far.2);
     }
 }
 

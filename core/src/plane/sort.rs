@@ -1,6 +1,6 @@
 //! Sorting in bounded time, without a panic: what the standard library's sorts cannot promise.
 //!
-//! Many items are sorted by the bytes of a key, from the lowest (H. H. Seward 1954; Knuth, The Art of Computer
+//! Many items are sorted by the bytes of a key above the least one, from the lowest (H. H. Seward 1954; Knuth, The Art of Computer
 //! Programming, 5.2.5): items of one key keep their order. A [`Level`] has a key of
 //! 32 bits; of single precision -0 and +0 are neighbours.
 
@@ -10,39 +10,34 @@ use crate::arithmetic::Level;
 const BYTES: usize = 256;
 
 /// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements.
-/// Cost: five looks at each item and its key, fewer where the keys have bytes in common.
+/// Cost: a look at each item and its key, and two for each byte of the distance from the least key to the greatest.
 pub fn by_key(items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) {
     let spare = spare.get_mut(..items.len()).unwrap_or(&mut []);
-    let mut counts = [[0u32; BYTES]; 4];
-    for &item in items.iter() {
-        for (counts, byte) in counts.iter_mut().zip(key(item).to_le_bytes()) {
-            if let Some(count) = counts.get_mut(usize::from(byte)) {
-                *count = count.wrapping_add(1);
-            }
-        }
-    }
+    let wider = |(least, greatest): (u32, u32), &item: &u32| (key(item).min(least), key(item).max(greatest));
+    let (least, greatest) = items.iter().fold((u32::MAX, 0), wider);
     let (mut from, mut to) = (items, spare);
-    let mut is_elsewhere = false;
-    for (counts, shift) in counts.iter_mut().zip([0, 8, 16, 24]) {
-        let byte = |item: u32| (key(item) >> shift) as u8;
-        // Where all have one byte there is nothing to sort.
-        let first = from.first().and_then(|&item| counts.get(usize::from(byte(item))));
-        if first.is_none_or(|&count| count as usize == from.len()) {
-            continue;
-        }
-        by_byte(from, to, counts, byte);
+    let (mut shift, mut is_elsewhere) = (0, false);
+    while shift < u32::BITS && greatest.saturating_sub(least) >> shift > 0 {
+        by_byte(from, to, |item| (key(item).wrapping_sub(least) >> shift) as u8);
         core::mem::swap(&mut from, &mut to);
         is_elsewhere = !is_elsewhere;
+        shift += u8::BITS;
     }
     if is_elsewhere {
         to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = *from);
     }
 }
 
-/// Sorts by a byte, of each value of which there are so many; then `places` has the place behind its last item.
-fn by_byte(from: &[u32], to: &mut [u32], places: &mut [u32; BYTES], byte: impl Fn(u32) -> u8) {
+/// Sorts by a byte.
+fn by_byte(from: &[u32], to: &mut [u32], byte: impl Fn(u32) -> u8) {
+    let mut places = [0u32; BYTES];
+    for &item in from {
+        if let Some(count) = places.get_mut(usize::from(byte(item))) {
+            *count = count.wrapping_add(1);
+        }
+    }
     let mut before = 0u32;
-    for place in places.iter_mut() {
+    for place in &mut places {
         (*place, before) = (before, before.wrapping_add(*place));
     }
     for &item in from {
@@ -96,12 +91,21 @@ impl Keys<'_> {
 
     /// The keys of the values, the least first: as many as there is room for.
     pub fn sorted<L: Level>(&mut self, values: impl Iterator<Item = L>) -> &[u32] {
-        let mut count = 0;
-        for (out, value) in self.0.iter_mut().zip(values) {
-            *out = value.key();
-            count += 1;
-        }
-        let keys = self.0.get_mut(..count).unwrap_or(&mut []);
+        let (mut count, mut free) = (0, self.0.iter_mut());
+        // From within, which of nested iterators makes nested loops.
+        values.for_each(|value| {
+            if let Some(out) = free.next() {
+                *out = value.key();
+                count += 1;
+            }
+        });
+        self.sort(count)
+    }
+
+    /// Sorts the first keys that were laid there, the least first.
+    pub fn sort(&mut self, count: usize) -> &[u32] {
+        let room = self.0.len();
+        let keys = self.0.get_mut(..count.min(room)).unwrap_or(&mut []);
         by_key(keys, self.1, |key| key);
         keys
     }

@@ -18,7 +18,7 @@ pub struct Workspace<'m, L: Level> {
     pub signal: &'m mut [L],
     /// W x H: lightly smoothed, then the matched image.
     pub fine: &'m mut [L],
-    /// W x H: smoothed by need.
+    /// W x H: smoothed by need, then the narrow image.
     pub smooth: &'m mut [L],
     /// W x H: the bits of the front, a [`Level`] above 0 inside the outlines; from the tree on the labels.
     pub labels: &'m mut [u32],
@@ -120,6 +120,7 @@ impl<L: Level> Workspace<'_, L> {
         selection::Planes {
             signal: self.signal,
             matched: self.fine,
+            narrow: self.smooth,
             masked: Mask(self.masked),
             rows: self.rows,
             keys: Keys(self.parents, self.order),

@@ -44,16 +44,20 @@ pub fn clipped(sorted: &[u32], values: &Values) -> Sky {
     let reach = if piled { CLIP_PILED } else { CLIP };
     let (mut kept, mut centre) = (sorted, quantile(sorted, 2, step));
     let mut noise = start(sorted, centre, step, piled).greatest(least);
-    let (mut mean, mut middle) = (centre, centre);
+    let (mut mean, mut middle, mut moments) = (centre, centre, None);
     for _ in 0..ROUNDS {
-        let inside = within(kept, centre, (reach * noise).greatest(CLIP_STEPS * step));
+        let [below, inside, above] = within(kept, centre, (reach * noise).greatest(CLIP_STEPS * step));
         if inside.len() < LEAST_PIXELS / 2 {
             break;
         }
         let over = inside.len() == kept.len();
-        let moments = Moments::of(inside);
-        (kept, mean, middle) = (inside, moments.mean, quantile(inside, 2, step));
-        noise = (moments.deviation * CLIPPED_AWAY).greatest(least);
+        match &mut moments {
+            None => moments = Some(Moments::of(inside)),
+            Some(moments) => [below, above].into_iter().for_each(|clipped| moments.without(clipped)),
+        }
+        let (new_mean, deviation) = moments.as_ref().map_or((mean, 0.0), Moments::mean_and_deviation);
+        (kept, mean, middle) = (inside, new_mean, quantile(inside, 2, step));
+        noise = (deviation * CLIPPED_AWAY).greatest(least);
         centre = if coarse(noise) { mean } else { middle };
         if over {
             break;
@@ -102,28 +106,63 @@ fn at_rank(sorted: &[u32], rank: usize, step: f32) -> f32 {
     value + step * (part - 0.5)
 }
 
-/// The sorted keys whose values are at most `distance` from `centre`.
-fn within(sorted: &[u32], centre: f32, distance: f32) -> &[u32] {
+/// The sorted keys from the first to the last of which the values are at most `distance` from `centre`, between those
+/// below and those above.
+fn within(sorted: &[u32], centre: f32, distance: f32) -> [&[u32]; 3] {
     let near = |&key: &u32| (f32::of_key(key) - centre).magnitude() <= distance;
     let first = sorted.iter().position(near).unwrap_or(sorted.len());
     let end = sorted.iter().rposition(near).map_or(first, |last| last + 1);
-    sorted.get(first..end).unwrap_or(&[])
+    let (below, rest) = sorted.split_at_checked(first).unwrap_or_default();
+    let (inside, above) = rest.split_at_checked(end - first).unwrap_or_default();
+    [below, inside, above]
 }
 
-/// Mean and standard deviation, from sums in rising order.
+/// Sums over the values of sorted keys and their squares, from one of them in the middle, so that what is clipped
+/// later can be taken away again.
 struct Moments {
-    mean: f32,
-    deviation: f32,
+    middle: f64,
+    count: usize,
+    sums: [f64; 2],
 }
 
 impl Moments {
     fn of(sorted: &[u32]) -> Moments {
-        let values = || sorted.iter().map(|&key| f64::from(f32::of_key(key)));
-        let count = sorted.len().max(1) as f64;
-        let mean = values().sum::<f64>() / count;
-        let squares: f64 = values().map(|value| (value - mean) * (value - mean)).sum();
-        Moments { mean: mean as f32, deviation: libm::sqrt(squares / count) as f32 }
+        let middle = f64::from(median::<f32>(sorted));
+        Moments { middle, count: sorted.len(), sums: sums(sorted, middle) }
     }
+
+    /// Takes values away.
+    fn without(&mut self, clipped: &[u32]) {
+        let [sum, squares] = sums(clipped, self.middle);
+        self.count = self.count.saturating_sub(clipped.len());
+        let [all, all_squares] = &mut self.sums;
+        (*all, *all_squares) = (*all - sum, *all_squares - squares);
+    }
+
+    /// Mean and standard deviation.
+    fn mean_and_deviation(&self) -> (f32, f32) {
+        let (count, [sum, squares]) = (self.count.max(1) as f64, self.sums);
+        let variance = (squares - sum * sum / count) / count;
+        let deviation = if variance > 0.0 { libm::sqrt(variance) } else { 0.0 };
+        ((self.middle + sum / count) as f32, deviation as f32)
+    }
+}
+
+/// The sums of the distances from `middle` and of their squares, in four lanes.
+fn sums(sorted: &[u32], middle: f64) -> [f64; 2] {
+    const LANES: usize = 4;
+    let (chunks, rest) = sorted.as_chunks::<LANES>();
+    let distance = |key: u32| f64::from(f32::of_key(key)) - middle;
+    let ([mut a, mut b, mut c, mut d], [mut aa, mut bb, mut cc, mut dd]) = ([0.0; LANES], [0.0; LANES]);
+    for &[first, second, third, fourth] in chunks {
+        let (first, second, third, fourth) = (distance(first), distance(second), distance(third), distance(fourth));
+        (a, b, c, d) = (a + first, b + second, c + third, d + fourth);
+        (aa, bb, cc, dd) = (aa + first * first, bb + second * second, cc + third * third, dd + fourth * fourth);
+    }
+    for distance in rest.iter().map(|&key| distance(key)) {
+        (a, aa) = (a + distance, aa + distance * distance);
+    }
+    [(a + b) + (c + d), (aa + bb) + (cc + dd)]
 }
 
 /// The fewest values in which clumps are looked for.
@@ -137,21 +176,32 @@ const CLUMP_SHARE: usize = 50;
 fn clump_step(sorted: &[u32], step: f32) -> f32 {
     let count = sorted.len();
     let inner = sorted.get(count / 100..count - count / 20).unwrap_or(&[]);
-    let distance = |pair: &[u32]| ranked::<f32>(pair, pair.len().saturating_sub(1)) - ranked::<f32>(pair, 0);
-    let widest = inner.windows(count / CLUMP_SHARE + 1).map(distance).fold(0.0, f32::greatest);
+    let later = inner.get(count / CLUMP_SHARE..).unwrap_or(&[]);
+    let distances = inner.iter().zip(later).map(|(&low, &high)| f32::of_key(high) - f32::of_key(low));
+    // Of numbers that are not below 0 the greatest has the greatest bits.
+    let widest = f32::from_bits(distances.map(f32::to_bits).max().unwrap_or(0));
     if count < CLUMPS_FROM || widest <= 1.5 * step {
         return step;
     }
     let centre = ranked::<f32>(sorted, count / 2);
-    let (mut near, mut others) = (0, 0);
+    let (mut near, mut others) = (0u32, 0u32);
     for value in sorted.iter().map(|&key| (f32::of_key(key) - centre) / widest) {
-        let multiple = libm::rintf(value);
-        if multiple != 0.0 {
-            others += 1;
-            near += usize::from((value - multiple).magnitude() < 1.0 / 6.0);
-        }
+        let multiple = rounded(value);
+        let is_other = multiple != 0.0;
+        others += u32::from(is_other);
+        near += u32::from(is_other & ((value - multiple).magnitude() < 1.0 / 6.0));
     }
+    let (near, others) = (near as usize, others as usize);
     if others * CLUMP_SHARE >= count && near * 10 > others * 7 { widest } else { step }
+}
+
+/// The nearest whole number; of halves the even one, as `rintf` has it, without a call.
+#[inline(always)]
+fn rounded(value: f32) -> f32 {
+    /// From 2^22 on numbers are multiples of a half, and what they are rounded to tells clumps no better.
+    const WHOLE: f32 = 4_194_304.0;
+    const SHIFT: f32 = 12_582_912.0;
+    if value.magnitude() < WHOLE { (value + SHIFT) - SHIFT } else { value }
 }
 
 #[cfg(test)]
@@ -224,6 +274,31 @@ mod tests {
         let keys: Vec<u32> =
             normal(3600, 0.0, 1.0).into_iter().chain((0..400).map(|n| 3.0 + 0.5 * n as f32)).map(f32::key).collect();
         assert_eq!(clump_step(&keys, 1e-5), 1e-5);
+    }
+
+    #[test]
+    fn what_is_taken_away_was_never_there() {
+        let keys: Vec<u32> = normal(1003, 1e4, 3.0).into_iter().map(f32::key).collect();
+        let (below, rest) = keys.split_at(37);
+        let (inside, above) = rest.split_at(900);
+        let mut moments = Moments::of(&keys);
+        moments.without(below);
+        moments.without(above);
+        let (mean, deviation) = moments.mean_and_deviation();
+        let exact = Moments::of(inside).mean_and_deviation();
+        assert!((mean - exact.0).abs() <= 1e-3 && (deviation - exact.1).abs() < 1e-6, "{mean} {deviation}: {exact:?}");
+        let values = || inside.iter().map(|&key| f64::from(f32::of_key(key)));
+        let middle = values().sum::<f64>() / 900.0;
+        let variance = values().map(|value| (value - middle) * (value - middle)).sum::<f64>() / 900.0;
+        assert!((f64::from(mean) - middle).abs() < 1e-3 && (f64::from(deviation) - libm::sqrt(variance)).abs() < 1e-6);
+        assert_eq!(Moments::of(&[7.5f32.key(); 30]).mean_and_deviation(), (7.5, 0.0));
+    }
+
+    #[test]
+    fn halves_are_rounded_to_even_and_large_numbers_are_whole() {
+        for value in [0.5, 1.5, -0.5, -2.5, 0.49, 7.0, -3.2, 4_194_303.5, 4_194_304.0, 1e9, -1e30] {
+            assert_eq!(rounded(value), libm::rintf(value), "{value}");
+        }
     }
 
     #[test]

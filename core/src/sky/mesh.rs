@@ -126,13 +126,10 @@ impl<'m> Mesh<'m> {
         let row_of_cells = |row: usize, cells: &mut [Sky], keys: &mut Keys<'_>| {
             let mut told = Told::default();
             for (column, cell) in cells.iter_mut().enumerate() {
-                let mut count = Count::default();
-                // Adding 0 gives both zeros one key.
-                let value = |at: usize| pixels.get(at).copied().unwrap_or(f32::NAN) + 0.0;
-                let places = cell_of(size, grid, row * grid.width.get() + column);
-                let sorted = keys.sorted(places.filter(|&at| count.sees(seen(at)) == Seen::Sky).map(value));
+                let sides = sides(size, grid, row * grid.width.get() + column);
+                let count = keys_of_sky(pixels, size.0, sides, &seen, keys);
                 if told.hears(column, &count) {
-                    *cell = clipped(sorted, values);
+                    *cell = clipped(keys.sort(count.sky), values);
                 }
             }
             told
@@ -143,7 +140,7 @@ impl<'m> Mesh<'m> {
         let (rows, room) = (grid.height.div_ceil(groups).max(1), (keys.room() / groups).max(1));
         let mut told = [Told::default(); MOST_CELLS];
         let Keys(keys, spare) = keys;
-        let groups = self.cells.chunks_mut(grid.width.get() * rows).zip(told.chunks_mut(rows));
+        let groups = self.cells.chunks_mut((grid.width.get() * rows).max(1)).zip(told.chunks_mut(rows));
         let groups = (0..).step_by(rows).zip(groups).zip(keys.chunks_mut(room).zip(spare.chunks_mut(room)));
         crew.each(groups, |((first, (cells, told)), (keys, spare))| {
             let mut keys = Keys(keys, spare);
@@ -269,22 +266,25 @@ impl<'m> Mesh<'m> {
     /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
     pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
         let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
-        let corners = |column: usize| [up.first, up.next].map(|row| Self::cell(self.cells, row * columns + column));
+        let cell = |row: usize, column: usize| Self::cell(self.cells, row * columns + column);
         let until = x + level.len().min(noise.len());
-        let (mut x, mut rest) = (x, level.iter_mut().zip(noise));
+        let (mut x, mut level, mut noise) = (x, level, noise);
         while x < until {
             // Columns that lie between the same two cells.
             let Between { first, next, .. } = Between::new(x, columns, self.scale.0);
             let end = Between::end(x, until, columns, self.scale.0);
-            let corners = [first, next].map(corners);
-            let levels = corners.map(|cells| cells.map(|sky| sky.level));
-            let noises = corners.map(|cells| cells.map(|sky| sky.noise));
-            for ((level, noise), x) in rest.by_ref().take(end - x).zip(x..) {
+            let (below, below_next) = (cell(up.first, first), cell(up.first, next));
+            let (above, above_next) = (cell(up.next, first), cell(up.next, next));
+            let levels = [[below.level, above.level], [below_next.level, above_next.level]];
+            let noises = [[below.noise, above.noise], [below_next.noise, above_next.noise]];
+            let (level_here, level_rest) = level.split_at_mut_checked(end - x).unwrap_or_default();
+            let (noise_here, noise_rest) = noise.split_at_mut_checked(end - x).unwrap_or_default();
+            for ((level, noise), x) in level_here.iter_mut().zip(noise_here).zip(x as u32..) {
                 let across = Between::after(first, x, self.scale.0);
                 *level = blend(levels, across.part, up.part);
                 *noise = blend(noises, across.inside(), up.inside());
             }
-            x = end;
+            (x, level, noise) = (end, level_rest, noise_rest);
         }
     }
 }
@@ -302,6 +302,30 @@ fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4
     let (column, row) = grid.place(index);
     let (columns, rows) = (grid.width, NonZero::new(grid.height).unwrap_or(NonZero::<usize>::MIN));
     [column * width / columns, (column + 1) * width / columns, row * height / rows, (row + 1) * height / rows]
+}
+
+/// Lays the keys of the sky's pixels between the sides of a cell where they are sorted.
+fn keys_of_sky(
+    pixels: &[f32],
+    width: usize,
+    [left, right, bottom, top]: [usize; 4],
+    seen: &impl Fn(usize) -> Seen,
+    keys: &mut Keys<'_>,
+) -> Count {
+    let mut count = Count { all: (right - left) * (top - bottom), ..Count::default() };
+    for first in (bottom..top).map(|y| y * width + left) {
+        let row = pixels.get(first..first + (right - left)).unwrap_or(&[]);
+        for (at, &pixel) in (first..).zip(row) {
+            let seen = seen(at);
+            if let Some(free) = keys.0.get_mut(count.sky) {
+                // Adding 0 gives both zeros one key.
+                *free = (pixel + 0.0).key();
+            }
+            count.defined += usize::from(seen != Seen::Undefined);
+            count.sky += usize::from(seen == Seen::Sky);
+        }
+    }
+    count
 }
 
 /// The pixels of a cell, row by row.
@@ -398,7 +422,7 @@ struct Between {
 impl Between {
     fn new(at: usize, cells: usize, scale: f32) -> Between {
         let first = Self::first(at, cells, scale);
-        Between { next: (first + 1).min(cells.saturating_sub(1)), ..Self::after(first, at, scale) }
+        Between { next: (first + 1).min(cells.saturating_sub(1)), ..Self::after(first, at as u32, scale) }
     }
 
     fn first(at: usize, cells: usize, scale: f32) -> usize {
@@ -407,8 +431,10 @@ impl Between {
 
     /// A place between the cell `first` and the one after it.
     #[inline(always)]
-    fn after(first: usize, at: usize, scale: f32) -> Between {
-        Between { first, next: first + 1, part: ((at as f32 + 0.5) * scale - 0.5) - first as f32 }
+    fn after(first: usize, at: u32, scale: f32) -> Between {
+        // No axis has 2^31 pixels, and what has a sign is converted by vector units.
+        let at = at as i32 as f32;
+        Between { first, next: first + 1, part: ((at + 0.5) * scale - 0.5) - first as f32 }
     }
 
     /// The first place after `at`, at most `until`, that lies after another cell.

@@ -36,8 +36,13 @@ pub fn slope<L: Level>(
             let &bright = fine.get(at)?;
             if wanted(bright, at) { second_difference(signal, at) } else { None }
         };
-        let pixels = (fine.len(), signal.grid.width.get(), sky);
-        let sorted = part::sorted(whole.map(|whole| (whole, question)), pixels, &mut keys, value)?;
+        let sorted = match whole {
+            None if !sky => keys.sorted(bright(fine, from, to).filter_map(value)),
+            _ => {
+                let pixels = (fine.len(), signal.grid.width.get(), sky);
+                part::sorted(whole.map(|whole| (whole, question)), pixels, &mut keys, value)?
+            }
+        };
         (sorted.len() >= ENOUGH).then(|| median::<L>(sorted).to_f32())
     };
     let sky = scatter(Question::PhotonSky, 0.0, 0.0).filter(|&sky| sky > 0.0);
@@ -55,6 +60,16 @@ pub fn slope<L: Level>(
         from *= 2.0;
     }
     least.filter(|&slope| slope > 0.0).unwrap_or(0.0)
+}
+
+/// Pixels that are looked at together.
+const PIECE: usize = 16;
+
+/// The pixels of a plane from the first of a piece to its last, where one has such a brightness.
+fn bright<L: Level>(fine: &[L], from: L, to: L) -> impl Iterator<Item = usize> {
+    let any = move |piece: &[L]| piece.iter().fold(false, |any, &value| any | ((value >= from) & (value < to)));
+    let pieces = (0..).step_by(PIECE).zip(fine.chunks(PIECE)).filter(move |(_, piece)| any(piece));
+    pieces.flat_map(|(first, piece)| first..first + piece.len())
 }
 
 /// The size of the difference along x of the difference along y; `None` at the frame's border.

@@ -55,7 +55,8 @@ pub fn measure<L: Level>(
     let width = grid.width.get();
     let mut keys = work.keys.again();
     let masked = Mask(work.masked.0);
-    let seen = |at: usize| match (view.is_defined(at), !masked.has(at)) {
+    let all_defined = view.is_whole();
+    let seen = |at: usize| match (all_defined || view.is_defined(at), !masked.has(at)) {
         (false, _) => Seen::Undefined,
         (true, false) => Seen::Source,
         (true, true) => Seen::Sky,
@@ -105,7 +106,7 @@ pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn 
 }
 
 /// Pixels of a row whose sky is looked up together.
-const PIECE: usize = 64;
+const PIECE: usize = 256;
 
 /// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. The mesh is read from a
 /// column and row of its frame on; noise that is given counts `factor` times.

@@ -1,5 +1,5 @@
 //! Where the centres of sources are: at the peak, or in a flat source in the middle of its light;
-//! and which sources end in a plateau, as saturated stars do.
+//! which sources end in a plateau, as saturated stars do; and the shapes of sources.
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::field::{Field, offset};
@@ -68,6 +68,30 @@ fn add<L: Level>(field: Field<'_, L>, region: &mut Region<L>, at: usize) {
     region.offsets.1 += value * distance(y, peak_y);
 }
 
+/// Measures the shape of every source: the second moments of its light around its centre. `field` is the plane that was
+/// divided; `area` does not outlast it.
+pub fn shape<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>]) {
+    for region in regions.iter_mut() {
+        (region.area, region.plateau, region.offsets) = (region.plateau as u32, 0.0, (0.0, 0.0));
+    }
+    for (at, label) in used(labels) {
+        if let Some(region) = region_of(regions, label) {
+            let (place, centre) = (field.place(at), region.centre);
+            let [x, y] = [place.0 - centre.0, place.1 - centre.1].map(L::to_f32);
+            // As a part of the peak's: however bright, the sums stay finite.
+            let light = field.at(at).positive().to_f32().ratio(field.at(region.peak as usize).to_f32());
+            region.plateau += light * (x * x + y * y);
+            region.offsets.0 += light * (x * x - y * y);
+            region.offsets.1 += light * (x * y);
+        }
+    }
+    for region in regions.iter_mut() {
+        let part = |sum: f32| if region.plateau > 0.0 { sum / region.plateau } else { 0.0 };
+        region.offsets = (part(region.offsets.0), part(2.0 * region.offsets.1));
+        region.plateau = region.area as f32;
+    }
+}
+
 /// Counts the pixels of plateaus; `area` is that above half the peak.
 fn find_plateaus<L: Level>(light: Field<'_, L>, labels: &[u32], regions: &mut [Region<L>], noise: Noise<L>) {
     let level = L::Weight::of(LEVEL);
@@ -105,7 +129,48 @@ fn middle<L: Level>(field: Field<'_, L>, region: &Region<L>) -> (L, L) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arithmetic::Fixed14;
+    use crate::plane::field::Ellipse;
     use crate::plane::grid::Grid;
+
+    extern crate std;
+
+    /// A Gaussian with variances of 16 and 4 along its axes, the longer towards (4, 3), has these moments.
+    fn moments<L: Level>() -> (Region<L>, Ellipse<L>) {
+        let light = |at: usize| {
+            let (x, y) = ((at % 49) as f32 - 24.0, (at / 49) as f32 - 24.0);
+            let (along, across) = (0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x);
+            L::of(3000.0 * libm::expf(-0.5 * (along * along / 16.0 + across * across / 4.0)))
+        };
+        let values: std::vec::Vec<L> = (0..49 * 49).map(light).collect();
+        let labels: std::vec::Vec<u32> = values.iter().map(|&value| u32::from(value > L::ONE)).collect();
+        let centre = (L::whole(24), L::whole(24));
+        let mut regions = [Region { peak: 24 * 49 + 24, plateau: 7.0, centre, ..Region::BLANK }];
+        let field = Field { values: &values, grid: Grid::of(values.len(), 49).expect("there are columns") };
+        shape(field, &labels, &mut regions);
+        let [region] = regions;
+        (region, region.shape())
+    }
+
+    #[test]
+    fn the_shape_is_that_of_the_light() {
+        let (single, fixed) = (moments::<f32>(), moments::<Fixed14>());
+        for (offsets, plateau) in [(single.0.offsets, single.0.plateau), (fixed.0.offsets, fixed.0.plateau)] {
+            let (along, across) = (offsets.0 - 0.6 * 0.28, offsets.1 - 0.6 * 0.96);
+            assert!(along.abs() < 0.005 && across.abs() < 0.005, "{offsets:?}");
+            assert_eq!(plateau, 7.0, "it outlasts the measurement");
+        }
+        assert_ne!(single.1, Ellipse::ROUND);
+    }
+
+    #[test]
+    fn without_light_a_source_is_round() {
+        let values = [-1.0; 25];
+        let field = Field { values: &values, grid: Grid::of(25, 5).expect("there are columns") };
+        let mut regions = [Region::<f32>::BLANK];
+        shape(field, &[1; 25], &mut regions);
+        assert_eq!(regions.map(|region| region.shape()), [Ellipse::ROUND]);
+    }
 
     const SIDE: usize = 41;
     const PEAK: usize = 20 * SIDE + 22;

@@ -34,10 +34,18 @@ fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
     region_of(regions, label).map_or(L::NOTHING, |region| region.sum)
 }
 
-/// A pixel belongs to another source where it has more than this many times its host's mirrored light.
+/// A pixel belongs to another source where it has more than this many times its host's light.
 const OTHER: f32 = 2.0;
 /// The same for a pixel that begins a new source.
 const NEW: f32 = 2.5;
+
+/// The mirror image of a host may lie so far off, in pixels: at the steep rim of a star out of focus this counts.
+const CENTRE: f32 = 0.2;
+/// A new source's brightest pixel has this much more, in noise of the plane, than there is around it at the distance
+/// [`AROUND`]: an uneven edge has no peak of its own.
+const PEAK: f32 = 3.0;
+/// In pixels.
+const AROUND: f32 = 4.0;
 
 /// More of the light across a centre than this part is another source's: the mirror says nothing.
 const FOREIGN: f32 = 0.25;
@@ -52,17 +60,32 @@ fn alone<L: Level>(field: Field<'_, L>, [host, other]: [(L, L); 2], place: (L, L
     Some((light - mirrored.least(field.around(host, across))).positive())
 }
 
-/// The mirrored light of a source; `None` beyond the frame, and where too much of it is another's.
+/// The light of a source at a place: what lies across its centre or, where that is beyond the frame or too much of it
+/// another's, what is on its ellipse there, of it or of the sky. `None` where the frame does not show it.
 fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>], label: u32, at: usize) -> Option<L> {
-    let centre = centre_of(regions, label);
-    let across = field.across(centre, at);
-    let light = field.between(across)?;
-    let other = field.nearest(across).map_or(0, |at| label_at(labels, at));
-    if other == 0 || other == label {
-        return Some(light);
-    }
-    let foreign = alone(field, [centre, centre_of(regions, other)], across).unwrap_or(L::ZERO);
-    (foreign <= light.scaled(L::Weight::of(FOREIGN))).then_some(light)
+    let region = region_of(regions, label)?;
+    let across = field.across(region.centre, at);
+    let is_own = |light: L| {
+        let other = field.nearest(across).map_or(0, |at| label_at(labels, at));
+        let centres = || [region.centre, centre_of(regions, other)];
+        other == 0
+            || other == label
+            || alone(field, centres(), across).unwrap_or(L::ZERO) <= light.scaled(L::Weight::of(FOREIGN))
+    };
+    let counts = |at: usize| [0, label].contains(&label_at(labels, at));
+    let on_ellipse = || field.on_ellipse((region.centre, region.shape()), field.place(at), counts);
+    field.between(across).filter(|&light| is_own(light)).or_else(on_ellipse)
+}
+
+/// The most light that a host may have at a pixel: what is mirrored at its centre, as well as that is known, or what the
+/// frame's typical source has. `None` where the mirror shows what is beyond the frame.
+fn host_light<L: Level>((field, typical): (Field<'_, L>, Typical<'_>), host: &Region<L>, at: usize) -> Option<L> {
+    let (x, y) = field.across(host.centre, at);
+    let off = L::of(CENTRE);
+    let beside = [(x - off, y), (x + off, y), (x, y - off), (x, y + off)];
+    let mirrored =
+        beside.into_iter().filter_map(|place| field.between(place)).fold(field.between((x, y))?, L::greatest);
+    Some(mirrored.greatest(typical.light(host.value, host.centre, field.place(at))))
 }
 
 /// What pixels beyond their host's light must have to become a source of their own.
@@ -126,14 +149,15 @@ pub fn reopen<L: Level>(
             let explained = explained((field, typical), labels, regions, [host, beside]);
             group.iter().filter(|&&at| significant(at as usize, explained(at as usize))).count()
         };
-        if (unexplained as u32) < least_area {
+        let brightest = brightest(field, centre_of(regions, host), group);
+        if (unexplained as u32) < least_area || !is_peak(field, noise, brightest.peak as usize) {
             continue;
         }
         if count >= regions.len() {
             left_out += 1;
             continue;
         }
-        add(field, group, host, regions, count);
+        add(field, brightest, host, regions, count);
         count += 1;
         for &at in group {
             if let Some(label) = labels.get_mut(at as usize) {
@@ -189,44 +213,53 @@ fn explained<L: Level>(
     let divided = region_of(regions, host).map_or(0, |host| host.divided as usize);
     let divided = label_at(labels, divided.wrapping_sub(1)) & !OPEN;
     let other = if beside != 0 { beside } else { divided };
-    let [centre, there] = [host, other].map(|label| centre_of(regions, label));
-    let peak = region_of(regions, host).map_or(L::ZERO, |host| host.value);
+    let region = region_of(regions, host).copied().unwrap_or(Region::BLANK);
+    let there = centre_of(regions, other);
     move |at| {
-        let mirrored = field.mirrored(centre, at).unwrap_or(L::ZERO);
-        let mirrored = mirrored.greatest(typical.light(peak, centre, field.place(at)));
+        let own = host_light((field, typical), &region, at).unwrap_or(L::ZERO);
         let shown = || field.nearest(field.across(there, at)).map_or(0, |at| label_at(labels, at) & !OPEN);
         if other == 0 || other == host || (beside == 0 && shown() != other) {
-            return mirrored;
+            return own;
         }
-        mirrored + alone(field, [centre, there], field.place(at)).unwrap_or(L::ZERO)
+        own + alone(field, [region.centre, there], field.place(at)).unwrap_or(L::ZERO)
     }
 }
 
-/// Makes a group of pixels the region with index `count`, divided from its host.
-fn add<L: Level>(field: Field<'_, L>, group: &[u32], host: u32, regions: &mut [Region<L>], count: usize) {
-    let centre = centre_of(regions, host);
-    let (mut value, mut peak, mut sum) = (L::ZERO, group.first().copied().unwrap_or(0), L::NOTHING);
+/// A group of pixels as a region: the pixel with most light beyond the mirrored host's, and that light in all.
+fn brightest<L: Level>(field: Field<'_, L>, host: (L, L), group: &[u32]) -> Region<L> {
+    let mut found = Region { peak: group.first().copied().unwrap_or(0), ..Region::BLANK };
     for &at in group {
-        let light = excess(field, centre, at as usize);
-        sum = sum + light.times(1);
-        if light > value {
-            (value, peak) = (light, at);
+        let light = excess(field, host, at as usize);
+        found.sum = found.sum + light.times(1);
+        if light > found.value {
+            (found.value, found.peak) = (light, at);
         }
     }
+    found
+}
+
+/// Whether a pixel rises above what is around it: on a slope as much is missing on one side as there is on the other.
+fn is_peak<L: Level>(field: Field<'_, L>, noise: Noise<L>, at: usize) -> bool {
+    let centre = field.place(at);
+    let around = field.around(centre, (centre.0 + L::of(AROUND), centre.1));
+    field.at(at) - around > noise.at(field.at(at)).scaled(L::Weight::of(PEAK))
+}
+
+/// Makes a group of pixels the region with index `count`, divided from its host.
+fn add<L: Level>(field: Field<'_, L>, group: Region<L>, host: u32, regions: &mut [Region<L>], count: usize) {
     let mut divided = 0;
     if let Some(host) = regions.get_mut((host as usize).wrapping_sub(1)) {
         divided = host.peak.saturating_add(1);
-        host.divide(field, peak);
+        host.divide(field, group.peak);
     }
     if let Some(region) = regions.get_mut(count) {
-        let centre = field.place(peak as usize);
-        *region = Region { peak, value, sum, centre, divided, ..Region::BLANK };
+        *region = Region { centre: field.place(group.peak as usize), divided, ..group };
     }
 }
 
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
-/// `OTHER` times the other's mirrored light. Where that is a third source's, the pixel stays.
+/// `OTHER` times the other's own light. Where that is not known, the pixel stays.
 pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], sweeps: u32) {
     let other_from = L::Weight::of(OTHER);
     for sweep in 0..sweeps {
@@ -303,8 +336,9 @@ fn straighten_row(labels: &mut [u32], rows: [&[u32]; 3]) {
             continue;
         }
         for (x, label) in (first..).zip(labels) {
-            let near = |row: &[u32]| row.get(x.checked_sub(1)?..)?.first_chunk::<3>().copied();
-            if let [Some(below), Some(own), Some(above)] = rows.map(near)
+            let near = |row: &[u32]| row.get(x.wrapping_sub(1)..)?.first_chunk::<3>().copied();
+            let [below, own, above] = rows;
+            if let (Some(below), Some(own), Some(above)) = (near(below), near(own), near(above))
                 && let Some(other) = straighter([below, own, above])
             {
                 *label = other;
@@ -338,4 +372,52 @@ fn straighter([below, own, above]: [[u32; 3]; 3]) -> Option<u32> {
         }
     }
     (others >= 6 && same < 3).then_some(other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::Fixed14;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    const SIDE: usize = 64;
+
+    /// Sources that are opened beside a round one of 1000 in the middle of a frame, by light `beside` it.
+    fn opened<L: Level>(beside: impl Fn(f32, f32) -> f32) -> usize {
+        let light = |at: usize| {
+            let (x, y) = ((at % SIDE) as f32, (at / SIDE) as f32);
+            let squared = (x - 32.0) * (x - 32.0) + (y - 32.0) * (y - 32.0);
+            L::of(1000.0 * libm::expf(-squared / 18.0) + beside(x, y))
+        };
+        let values: Vec<L> = (0..SIDE * SIDE).map(light).collect();
+        let field = Field { values: &values, grid: Grid::of(values.len(), SIDE).expect("there are columns") };
+        let centre = (L::whole(32), L::whole(32));
+        let mut regions = [Region::<L>::BLANK; 9];
+        regions[0] = Region { peak: 32 * 64 + 32, value: L::of(1000.0), area: 9, centre, ..Region::BLANK };
+        let [mut labels, mut queue] = [1, 0].map(|word| std::vec![word; values.len()]);
+        let reopening = Reopening {
+            field,
+            typical: Typical::NONE,
+            noise: Noise { least: L::of(0.4), photon: 0.0 },
+            excess: 5.5,
+            least_area: 4,
+            connectivity: Connectivity::Eight,
+        };
+        reopen(&reopening, &mut labels, &mut queue, &mut regions, Count { regions: 1, left_out: 0 }).regions - 1
+    }
+
+    #[test]
+    fn light_with_a_peak_is_a_source_and_an_uneven_edge_is_none() {
+        let star = |x: f32, y: f32| 9.0 * libm::expf(-((x - 50.0) * (x - 50.0) + (y - 36.0) * (y - 36.0)) / 8.0);
+        let edge = |x: f32, y: f32| {
+            let (dx, dy) = (x - 32.0, y - 32.0);
+            let distance = libm::hypotf(dx, dy);
+            let (off, to_the_right) = (distance - 16.0, 0.5 + 0.5 * dx / (distance + 1.0));
+            8.0 * to_the_right * to_the_right * libm::expf(-off * off / 100.0)
+        };
+        assert_eq!([opened::<f32>(star), opened::<Fixed14>(star)], [1; 2]);
+        assert_eq!([opened::<f32>(edge), opened::<Fixed14>(edge)], [0; 2]);
+    }
 }

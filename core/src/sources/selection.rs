@@ -1,7 +1,7 @@
 //! Which regions are sources: by area, or by their significance in an image matched to their size.
 
 use crate::arithmetic::{Level, Real};
-use crate::config::{Config, Select, Separate, part_area};
+use crate::config::{Config, Select, Separate, narrow_area, part_area};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
@@ -38,6 +38,8 @@ pub struct Planes<'m, L: Level> {
     pub signal: &'m [L],
     /// The matched image, in the end.
     pub matched: &'m mut [L],
+    /// The narrow image, in the end.
+    pub narrow: &'m mut [L],
     /// The pixels near sources.
     pub masked: Mask<'m>,
     /// Room for rows.
@@ -79,8 +81,8 @@ pub struct Kept {
 /// image have yet to answer.
 pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut {
     let grid = view.grid;
-    let narrow_noise = measure_narrow(view, work, crew);
     Weights::gauss(MATCHED).apply(work.signal, work.rows, work.matched, grid, crew);
+    let narrow_noise = measure_narrow(view, work, crew);
     Weights::gauss(WIDE).sharpen(work.matched, work.rows, grid, SHARPENING, crew);
     measure(work);
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
@@ -114,20 +116,21 @@ pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>,
     cut
 }
 
-/// The peak of every region in the narrow image, and the noise of that. Leaves it in the matched plane.
+/// The peak of every region in the narrow image, and the noise of that, from the matched image before it is sharpened.
 fn measure_narrow<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> f32 {
     let grid = view.grid;
-    Weights::gauss(MATCHED).apply(work.signal, work.rows, work.matched, grid, crew);
-    Weights::gauss(NARROW_WIDE).sharpen(work.matched, work.rows, grid, NARROW_SHARPENING, crew);
+    work.narrow.iter_mut().zip(work.matched.iter()).for_each(|(narrow, matched)| *narrow = *matched);
+    Weights::gauss(NARROW_WIDE).sharpen(work.narrow, work.rows, grid, NARROW_SHARPENING, crew);
     for region in work.regions.iter_mut() {
         region.offsets = (0.0, 0.0);
     }
-    for (&label, &narrow) in work.labels.iter().zip(work.matched.iter()) {
-        if let Some(region) = work.regions.get_mut((label as usize).wrapping_sub(1)) {
+    for (at, label) in used(work.labels) {
+        let region = work.regions.get_mut((label as usize).wrapping_sub(1));
+        if let (Some(region), Some(&narrow)) = (region, work.narrow.get(at)) {
             region.offsets.0 = region.offsets.0.greatest(narrow.to_f32());
         }
     }
-    let narrow = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
+    let narrow = |at: usize| work.narrow.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Narrow, Question::NarrowPowers];
     view.tail(questions, narrow, work.masked, work.keys.again()).noise.to_f32()
 }
@@ -186,12 +189,12 @@ fn is_source<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> bool {
 }
 
 /// The greatest significance of a cut at which a region is a source; -1 for none. What was not divided from another
-/// and stands out in the narrow image needs less peak and light.
+/// and stands out in the narrow image needs less area, peak and light.
 fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
     let divided = config.separate == Separate::Tree && region.divided > 0;
     let least_area = if divided { part_area(config.min_area) } else { config.min_area };
     let (peak, light) = (config.significance.peak * config.outline.threshold, config.significance.light);
-    let enough = |part: f32| {
+    let enough = |part: f32, least_area: u32| {
         region.area >= least_area
             && region.value >= L::of(part * peak)
             && region.sum >= L::share(L::ONE.times(1), part * light)
@@ -199,9 +202,9 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
     let over = |value: f32, noise: f32| if noise > 0.0 { value / noise } else { f32::MAX };
     let matched = over(region.value.to_f32(), cut.noise);
     let narrow = over(region.offsets.0, STANDS_OUT * cut.narrow_noise);
-    if enough(1.0) {
+    if enough(1.0, least_area) {
         matched
-    } else if !divided && enough(LENIENCY) {
+    } else if !divided && enough(LENIENCY, narrow_area(config.min_area)) {
         matched.least(narrow)
     } else {
         -1.0

@@ -9,7 +9,7 @@ use crate::plane::part::Whole;
 use crate::plane::rows::next_with;
 use crate::plane::smooth::Weights;
 use crate::plane::sort;
-use crate::sources::centre::centre_on_light;
+use crate::sources::centre::{centre_on_light, shape};
 use crate::sources::deblend::{Reopening, compete, reopen, straighten};
 use crate::sources::pieces::{connect, relabel};
 use crate::sources::tree::{Count, Noise, Region, grow, region_at, root};
@@ -21,6 +21,8 @@ const SHARPNESS: f32 = 1.5;
 const LEAST_AREA: u32 = 3;
 /// Sweeps in which sources compete for the pixels at their borders.
 const SWEEPS: u32 = 2;
+/// Times that they do so: each leaves their shapes better known.
+const COMPETITIONS: u32 = 2;
 /// Times that pixels beyond their host's light are looked for.
 const REOPENINGS: u32 = 2;
 /// Steps by which borders between sources are straightened.
@@ -143,7 +145,10 @@ pub fn deblend<L: Level>(
     for _ in 0..REOPENINGS {
         count = reopen(&reopening, work.labels, work.order, work.regions, count);
     }
-    compete(field, work.labels, work.regions, SWEEPS);
+    for _ in 0..COMPETITIONS {
+        shape(field, work.labels, work.regions.get_mut(..count.regions).unwrap_or(&mut []));
+        compete(field, work.labels, work.regions, SWEEPS);
+    }
     straighten(work.labels, work.order, grid, STRAIGHTENINGS);
     connect(grid, work.labels, work.order, work.regions.get_mut(..count.regions).unwrap_or(&mut []));
     count

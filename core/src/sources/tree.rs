@@ -6,7 +6,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Deblending};
-use crate::plane::field::Field;
+use crate::plane::field::{Ellipse, Field};
 use crate::plane::sort;
 use crate::sky::photon::grown;
 
@@ -24,10 +24,12 @@ pub struct Region<L: Level> {
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
     /// Of its pixels above half its peak, the sums of the values times the distances from the peak along
-    /// x and y; while sources are selected, its peak in the narrow image, and 0.
+    /// x and y; while sources compete, its shape (see [`Ellipse::of`]); while they are selected, its peak in the
+    /// narrow image, and 0.
     pub offsets: (f32, f32),
     /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
-    /// While the centre is looked for, the sum of the values above half the peak.
+    /// While the centre is looked for, the sum of the values above half the peak; while the shape is, that of second
+    /// moments.
     pub plateau: f32,
     /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
     pub divided: u32,
@@ -48,6 +50,11 @@ impl<L: Level> Region<L> {
         divided: 0,
         label: 0,
     };
+
+    /// The shape of its isophotes.
+    pub fn shape(&self) -> Ellipse<L> {
+        Ellipse::of(self.offsets)
+    }
 
     /// Remembers the part that has a pixel, where no brighter one is known.
     pub fn divide(&mut self, field: Field<'_, L>, pixel: u32) {

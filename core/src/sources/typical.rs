@@ -36,6 +36,9 @@ pub struct Typical<'m> {
 }
 
 impl<'m> Typical<'m> {
+    /// None that is known.
+    pub const NONE: Typical<'static> = Typical { cells: &[] };
+
     /// Looks at the sources of a frame. `cells` and `spare` are as long as the plane; where that is
     /// too short there is no typical source. Cost: 154 thousand samples.
     pub fn of<L: Level>(
@@ -86,7 +89,7 @@ impl<'m> Typical<'m> {
             records = Some(words);
         }
         let Some(cells) = cells.get_mut(..SIDE * SIDE).filter(|_| count >= LEAST) else {
-            return Typical { cells: &[] };
+            return Typical::NONE;
         };
         for (at, cell) in cells.iter_mut().enumerate() {
             let told = |record: &[u32]| record.get(RECORD_HEAD + at).map(|&bits| f32::from_bits(bits));

@@ -13,8 +13,10 @@
 //! [`STEPS`] times the pixels within three widths of the star. Memory: less than two kilobytes of stack.
 
 mod fit;
+#[deny(clippy::arithmetic_side_effects)]
 mod frame;
 mod solve;
+#[deny(clippy::arithmetic_side_effects)]
 mod window;
 
 pub use fit::STEPS;

@@ -32,7 +32,7 @@ impl Window {
         }
         for (name, value) in [("predicted column", self.x), ("predicted row", self.y)] {
             // Also false for what is no number.
-            if !(value >= -1e6 && value <= 1e6) {
+            if !(-1e6..=1e6).contains(&value) {
                 return Err(Error::Parameter { name, value, bound: "within 10^6 of", limit: 0.0 });
             }
         }

@@ -102,17 +102,18 @@ impl Growth {
     /// `least` and `most`.
     fn crossing(&self, light: f64, least: f64, start: f64, most: f64) -> Option<f64> {
         let missing = |radius: f64| self.within(radius) - light;
-        let mut high = start;
-        while missing(high) < 0.0 {
-            high += 1.0;
-            if high > most {
+        let at = |radius: f64| (radius, missing(radius));
+        let mut high = at(start);
+        while high.1 < 0.0 {
+            high = at(high.0 + 1.0);
+            if high.0 > most {
                 return None;
             }
         }
-        let mut low = (high - 1.0).max(0.0);
-        while low > 0.0 && missing(low) >= 0.0 {
-            (low, high) = ((low - 1.0).max(0.0), low);
-            if low < least {
+        let mut low = at((high.0 - 1.0).max(0.0));
+        while low.0 > 0.0 && low.1 >= 0.0 {
+            (low, high) = (at((low.0 - 1.0).max(0.0)), low);
+            if low.0 < least {
                 return None;
             }
         }
@@ -120,10 +121,13 @@ impl Growth {
     }
 }
 
-/// Where a function that is below 0 at `low` and not at `high` crosses 0, by the Illinois variant of
-/// false position.
-fn crossing(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let (mut at_low, mut at_high) = (function(low), function(high));
+/// Where a function that is below 0 at `low` and not at `high`, both with their values, crosses 0, by the Illinois
+/// variant of false position.
+fn crossing(
+    function: impl Fn(f64) -> f64,
+    (mut low, mut at_low): (f64, f64),
+    (mut high, mut at_high): (f64, f64),
+) -> f64 {
     let mut last_below = None;
     for _ in 0..STEPS {
         let guess = low - at_low * (high - low) / (at_high - at_low);

@@ -116,6 +116,7 @@ impl<'a> Scene<'a> {
     }
 
     /// What a pixel counts in an aperture of source `label`, or the flag that says why it counts nothing.
+    #[inline]
     pub(super) fn light(&self, spot: Spot, label: u32) -> Result<Light, u32> {
         let index = spot.y * self.width + spot.x;
         let why = match self.own(index, label) {

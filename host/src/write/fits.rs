@@ -135,7 +135,10 @@ impl Writer {
             let mut bytes = Vec::with_capacity(PIECE);
             for y in 0..height {
                 row(y, &mut line);
-                bytes.extend(line.iter().flat_map(|sample| sample.bytes()));
+                let first = bytes.len();
+                bytes.resize(first + line.len() * size_of::<[u8; 4]>(), 0);
+                let places = bytes[first..].as_chunks_mut().0;
+                places.iter_mut().zip(&line).for_each(|(place, sample)| *place = sample.bytes());
                 data.flush_beyond(PIECE / 2, &mut bytes)?;
             }
             data.flush_beyond(0, &mut bytes)

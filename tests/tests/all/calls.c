@@ -46,7 +46,7 @@ static void windows(void)
 
 static void runs(void)
 {
-  skyfront_setup setup = {SKYFRONT_PRESET_PAPER_REAL, W, H, N, NULL, 0};
+  skyfront_setup setup = {.preset = SKYFRONT_PRESET_PAPER_REAL, .width = W, .height = H, .sources = N};
   skyfront_run *run = NULL;
   skyfront_progress progress;
   skyfront_source source;
@@ -99,6 +99,33 @@ static void runs(void)
   is("source", skyfront_run_source(run, 1, &source), SKYFRONT_ERROR_INDEX);
 }
 
+static void tables(void)
+{
+  static uint8_t table[4096];
+  skyfront_setting setting = {"min-area", "9"};
+  skyfront_setup setup = {.preset = SKYFRONT_PRESET_PAPER_F160, .width = W, .height = H, .sources = N,
+                          .settings = &setting, .setting_count = 1};
+  skyfront_run *run = NULL;
+  char said[96];
+  const size_t all = skyfront_table_bytes();
+  is("room", all <= sizeof table, 1);
+  is("short", skyfront_table_write(&setup, table, all - 1, NULL, 0), SKYFRONT_ERROR_LENGTH);
+  is("write", skyfront_table_write(&setup, table, all, NULL, 0), SKYFRONT_OK);
+  is("check", skyfront_table_check(table, all, NULL, 0), SKYFRONT_OK);
+  is("short", skyfront_table_check(table, all - 4, NULL, 0), SKYFRONT_ERROR_LENGTH);
+  is("null", skyfront_table_check(NULL, all, NULL, 0), SKYFRONT_ERROR_POINTER);
+  skyfront_setup by_table = {.preset = SKYFRONT_PRESET_TABLE, .width = W, .height = H, .sources = N,
+                             .table = table, .table_bytes = all};
+  is("start", skyfront_run_start(memory, sizeof memory, &by_table, &run, NULL, 0), SKYFRONT_OK);
+  table[all / 2] ^= 4;
+  is("damaged", skyfront_table_check(table, all, said, sizeof said), SKYFRONT_ERROR_TABLE);
+  is("said", strcmp(said, "the parameter table is damaged: its checksum fails"), 0);
+  is("refused", skyfront_run_start(memory, sizeof memory, &by_table, &run, NULL, 0), SKYFRONT_ERROR_TABLE);
+  setting.value = "0";
+  is("bound", skyfront_table_write(&setup, table, all, said, sizeof said), SKYFRONT_ERROR_PARAMETER);
+  is("said", strcmp(said, "min-area is 0; must be at least 1"), 0);
+}
+
 static void sizes(void)
 {
   static const size_t sides[] = {8, 31, 100, 512, 1024, 4099};
@@ -117,6 +144,7 @@ int main(void)
 {
   windows();
   runs();
+  tables();
   sizes();
   is("the standard's check value", skyfront_crc32((const uint8_t *)"123456789", 9) == UINT32_C(0xCBF43926), 1);
   is("text", strcmp(skyfront_error_text(SKYFRONT_ERROR_PRESET), "there is no preset of this number"), 0);

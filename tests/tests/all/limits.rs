@@ -63,7 +63,7 @@ fn memory_that_cannot_be_had_refuses_one_image_and_not_its_neighbours() {
         let text = messages(&run);
         assert_eq!(run.status.code(), Some(1), "{limit}: {text}");
         assert_eq!(text.lines().count(), 1, "{limit}: {text}");
-        assert!(text.contains("big.fits") && text.contains("10000 x 10000 pixels need 6"), "{limit}: {text}");
+        assert!(text.contains("big.fits") && text.contains("10000 x 10000 pixels need 4"), "{limit}: {text}");
         assert!(text.contains(word), "{limit}: {text}");
         let failed: Vec<bool> = table(&folder, "out").iter().map(|row| !row.ends_with(',')).collect();
         assert_eq!(failed, [false, true, false], "{limit}");

@@ -141,6 +141,28 @@ fn the_catalogue_tells_of_a_plateau() {
     assert_eq!(flags, [PLATEAU; PLACES.len()]);
 }
 
+/// A galaxy with a companion on either side: where the mirror shows the other, nothing but its ellipse tells what a
+/// galaxy has farther out.
+#[test]
+fn a_galaxy_keeps_its_outskirts() {
+    let (x, y) = (160.2, 158.7);
+    let mut pixels = gaussian(21, SIDE * SIDE);
+    for (at, pixel) in pixels.iter_mut().enumerate() {
+        let (dx, dy) = ((at % SIDE) as f32 - x, (at / SIDE) as f32 - y);
+        let (along, across) = (0.8 * dx + 0.6 * dy, 0.8 * dy - 0.6 * dx);
+        let companion = |off: f32| 60.0 * moffat(dx - 0.8 * off, dy - 0.6 * off, 3.0);
+        *pixel += 200.0 * (-along.hypot(2.0 * across) / 16.0).exp() + companion(40.0) + companion(-40.0);
+    }
+    for found in [run::<f32>(&pixels), run::<Fixed14>(&pixels)] {
+        let on_axis = |off: f32| found.labels[nearest((x + 0.8 * off, y + 0.6 * off))];
+        let galaxy = on_axis(0.0);
+        let companions = [on_axis(40.0), on_axis(-40.0)];
+        assert!(companions[0] != companions[1] && !companions.contains(&galaxy), "{galaxy}, {companions:?}");
+        let outskirts = [-60.0, -55.0, -50.0, 50.0, 55.0, 60.0].map(on_axis);
+        assert_eq!(outskirts, [galaxy; 6], "{companions:?}");
+    }
+}
+
 /// Each of two companions on opposite sides of a brighter star lies where the mirror shows the other.
 #[test]
 fn companions_opposite_each_other_are_sources() {
@@ -172,21 +194,40 @@ fn faint_stars_count_where_they_stand_out() {
     assert!(found < 20, "{found} sources on {} discs", 6 * PLACES.len());
 }
 
-/// Stars that hardly light two by two pixels, and hot pixels between them.
-#[test]
-fn the_sharpest_stars_are_found_among_hot_pixels() {
-    let mut pixels = gaussian(10, SIDE * SIDE);
-    // The mean of a Gaussian of FWHM 0.8 over the width of a pixel.
+/// Adds a star that hardly lights two by two pixels at each place: a Gaussian of FWHM 0.8.
+fn add_sharp(pixels: &mut [f32], light: impl Fn(usize) -> f32) {
+    // Its mean over the width of a pixel.
     let gauss = |off: f32| (-0.5 * (off / 0.34).powi(2)).exp() / (0.34 * std::f32::consts::TAU.sqrt());
     let part = |off: f32| (-10i8..=10).map(|step| gauss(off + f32::from(step) / 21.0)).sum::<f32>() / 21.0;
     for (index, (x, y)) in PLACES.into_iter().enumerate() {
-        let light = [60.0, 120.0][index % 2];
         for (at, pixel) in pixels.iter_mut().enumerate() {
-            *pixel += light * part((at % SIDE) as f32 - x) * part((at / SIDE) as f32 - y);
+            *pixel += light(index) * part((at % SIDE) as f32 - x) * part((at / SIDE) as f32 - y);
         }
-        pixels[nearest((x + 40.0, y))] += light;
+    }
+}
+
+#[test]
+fn the_sharpest_stars_are_found_among_hot_pixels() {
+    let mut pixels = gaussian(10, SIDE * SIDE);
+    let light = |index: usize| [60.0, 120.0][index % 2];
+    add_sharp(&mut pixels, light);
+    for (index, (x, y)) in PLACES.into_iter().enumerate() {
+        pixels[nearest((x + 40.0, y))] += light(index);
     }
     whole(&pixels);
+}
+
+/// Of 96 of a signal-to-noise of 22, some have four or five pixels inside their outlines.
+#[test]
+fn sharp_stars_need_few_pixels() {
+    let mut found = [0, 0];
+    for seed in 40..46 {
+        let mut pixels = gaussian(seed, SIDE * SIDE);
+        add_sharp(&mut pixels, |_| 27.0);
+        found[0] += run::<f32>(&pixels).outcome.sources;
+        found[1] += run::<Fixed14>(&pixels).outcome.sources;
+    }
+    assert_eq!(found, [96; 2]);
 }
 
 fn dense(seed: u64, count: usize) -> Vec<f32> {

@@ -2,6 +2,7 @@
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Q24};
 use skyfront_core::error::Error;
+use skyfront_core::run::memory::bytes;
 use skyfront_core::track::{BLENDED, BadPixel, Camera, EDGE, HOT, LOST, Raster, SATURATED, Star, Window, track};
 use skyfront_tests::frames::{Light, Random, bound, frame};
 
@@ -213,6 +214,16 @@ fn bytes_and_longer_rows_give_the_same() {
     assert_eq!(out[0], out[2]);
     assert_eq!(out[0][2], Star::default(), "as many records as windows");
     assert!(out[0][0].snr > 10.0);
+}
+
+#[test]
+fn the_page_for_flight_tells_the_memory_of_a_run() {
+    let page = include_str!("../../../core/doc/on-board.md");
+    for side in [512, 1024] {
+        let [wide, narrow] = [4, 2].map(|cell| bytes(side, side, cell, false, 256));
+        let row = format!("| {side} x {side} | {wide} | {narrow} |");
+        assert!(page.contains(&row), "{row}");
+    }
 }
 
 #[test]

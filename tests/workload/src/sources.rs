@@ -60,33 +60,35 @@ impl<L: Level> Room<L> {
         let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
         let Room { pixels, masked, rows, mesh, regions, .. } = self;
         let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
-        let front = match run(pixels, work) {
-            Ok((found, front)) => {
+        let [smooth, front] = match run(pixels, work) {
+            Ok((found, planes)) => {
                 tell("found", found_digest(&found));
-                front
+                planes
             }
             Err(_) => {
                 tell("error", 0);
-                0
+                [0; 2]
             }
         };
-        let ([signal, _, smooth], [.., labels]) = (&self.levels, &self.words);
+        let ([signal, ..], [.., labels]) = (&self.levels, &self.words);
         tell("mesh", words(self.mesh.iter().flat_map(|sky| [sky.level, sky.noise]).map(f32::to_bits)));
         tell("signal", digest::of_cells(signal));
-        tell("smooth", digest::of_cells(smooth));
+        tell("smooth", smooth);
         tell("front", front);
         tell("labels", words(labels.iter().copied()));
     }
 }
 
-/// What a run found, and the digest of its front, of which the labels take the place.
-fn run<L: Level>(pixels: &[f32], work: Workspace<'_, L>) -> Result<(Found, u32), Error> {
+/// What a run found, and the digests of the image that its front starts from and of the front, whose place others take.
+fn run<L: Level>(pixels: &[f32], work: Workspace<'_, L>) -> Result<(Found, [u32; 2]), Error> {
     let mut run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work)?;
-    let mut front = 0;
+    let mut planes = [0; 2];
     loop {
         match run.poll()? {
-            Progress::Next(Stage::Tree) => front = words(run.work().labels.iter().copied()),
-            Progress::Done(found) => return Ok((found, front)),
+            Progress::Next(Stage::Tree) => {
+                planes = [digest::of_cells(run.image()), words(run.work().labels.iter().copied())];
+            }
+            Progress::Done(found) => return Ok((found, planes)),
             _ => {}
         }
     }

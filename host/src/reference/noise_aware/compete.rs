@@ -1,12 +1,13 @@
 //! Borders between sources, and sources in one piece (`default.md`, 6).
 
-use super::light::{light, nearest, opposite, place};
+use super::light::{Shape, light, nearest, on_ellipse, opposite, place, shape};
 use super::reopen::alone;
 use super::{Judge, Plane, Regions, neighbours};
 
-/// Lets neighbouring sources compete for pixels, forwards and once backwards.
+/// Measures the shapes of sources and lets neighbours compete for pixels, forwards and once backwards.
 pub fn compete(image: &Plane, regions: &mut Regions, judge: &Judge) {
     let (width, height) = (image.width(), image.height());
+    let shapes = shapes(image, regions);
     for at in (0..width * height).chain((0..width * height).rev()) {
         let mut owner = regions.labels[at];
         for near in neighbours(at, width, height, 4) {
@@ -16,7 +17,7 @@ pub fn compete(image: &Plane, regions: &mut Regions, judge: &Judge) {
             }
             let owner_is_brighter = regions.sum(owner) >= regions.sum(other);
             let (bright, faint) = if owner_is_brighter { (owner, other) } else { (other, owner) };
-            if let Some(host) = own_light(image, regions, bright, at, judge) {
+            if let Some(host) = own_light(image, regions, (bright, shapes[bright as usize - 1]), at, judge) {
                 owner = if judge.exceeds(image.values()[at], 2.0 * host) { faint } else { bright };
             }
         }
@@ -24,15 +25,30 @@ pub fn compete(image: &Plane, regions: &mut Regions, judge: &Judge) {
     }
 }
 
-/// The mirrored light of a source, where it is its own and in the frame.
-fn own_light(image: &Plane, regions: &Regions, label: u32, at: usize, judge: &Judge) -> Option<f64> {
+fn shapes(image: &Plane, regions: &Regions) -> Vec<Shape> {
+    let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.table.len()];
+    for (at, &label) in regions.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+        pixels[label as usize - 1].push(at);
+    }
+    let told = |at: usize| (place(at, image.width()), image.values()[at].max(0.0));
+    let of =
+        |(label, pixels): (usize, &Vec<usize>)| shape(regions.table[label].centre, pixels.iter().map(|&at| told(at)));
+    pixels.iter().enumerate().map(of).collect()
+}
+
+/// The mirrored light of a source, where it is its own and in the frame; else that on its ellipse.
+fn own_light(image: &Plane, regions: &Regions, (label, shape): (u32, Shape), at: usize, judge: &Judge) -> Option<f64> {
     let centre = regions.of(label)?.centre;
-    let across = opposite(centre, place(at, image.width()));
-    let seen = light(image, across)?;
-    let other = nearest(image, across).map_or(0, |at| regions.labels[at]);
-    let Some(there) = regions.of(other).filter(|_| other != label) else { return Some(seen) };
-    let foreign = alone(image, [centre, there.centre], across).unwrap_or(0.0);
-    (!judge.exceeds(foreign, 0.25 * seen)).then_some(seen)
+    let from = place(at, image.width());
+    let across = opposite(centre, from);
+    let is_own = |seen: f64| {
+        let other = nearest(image, across).map_or(0, |at| regions.labels[at]);
+        let Some(there) = regions.of(other).filter(|_| other != label) else { return true };
+        let foreign = alone(image, [centre, there.centre], across).unwrap_or(0.0);
+        !judge.exceeds(foreign, 0.25 * seen)
+    };
+    let counts = |at: usize| [0, label].contains(&regions.labels[at]);
+    light(image, across).filter(|&seen| is_own(seen)).or_else(|| on_ellipse(image, (centre, shape), from, counts))
 }
 
 /// Straightens outlines, once.

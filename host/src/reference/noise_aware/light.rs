@@ -27,16 +27,59 @@ pub fn mirrored(image: &Plane, centre: Place, from: Place) -> Option<f64> {
     light(image, opposite(centre, from))
 }
 
+/// The shape of isophotes: their second moments xx, xy, yy, up to a factor.
+pub type Shape = (f64, f64, f64);
+
+/// A circle.
+const ROUND: Shape = (1.0, 0.0, 1.0);
+
+/// The seven other places on the ellipse through a place, 45 degrees apart in the circle that it is when stretched.
+fn turned(centre: Place, (xx, xy, yy): Shape, from: Place) -> [Place; 7] {
+    let root = (xx * yy - xy * xy).sqrt();
+    // Half of the ellipse's matrix, as a lower triangle: a circle stretched by it is the ellipse.
+    let (a, b, c) = ((xx / root).sqrt(), xy / (xx * root).sqrt(), (root / xx).sqrt());
+    let (x, y) = (from.0 - centre.0, from.1 - centre.1);
+    let (u, v) = (x / a, (y - b * x / a) / c);
+    std::array::from_fn(|eighth| {
+        let (sin, cos) = ((eighth + 1) as f64 * std::f64::consts::FRAC_PI_4).sin_cos();
+        let (u, v) = (u * cos - v * sin, u * sin + v * cos);
+        (centre.0 + a * u, centre.1 + b * u + c * v)
+    })
+}
+
 /// The median of the light at the seven other places as far from a centre, 45 degrees apart.
 pub fn around(image: &Plane, centre: Place, from: Place) -> f64 {
-    let (x, y) = (from.0 - centre.0, from.1 - centre.1);
-    let turned = (1..8).map(|eighth| {
-        let (sin, cos) = (f64::from(eighth) * std::f64::consts::FRAC_PI_4).sin_cos();
-        light(image, (centre.0 + x * cos - y * sin, centre.1 + x * sin + y * cos)).unwrap_or(0.0)
-    });
-    let mut turned: Vec<f64> = turned.collect();
+    let mut turned = turned(centre, ROUND, from).map(|place| light(image, place).unwrap_or(0.0));
     turned.sort_by(f64::total_cmp);
     turned[3]
+}
+
+/// The median of the light at the seven other places on an ellipse, of those in the frame whose pixel `counts`.
+pub fn on_ellipse(
+    image: &Plane,
+    (centre, shape): (Place, Shape),
+    from: Place,
+    counts: impl Fn(usize) -> bool,
+) -> Option<f64> {
+    let turned = turned(centre, shape, from).into_iter();
+    let mut lights: Vec<f64> = turned
+        .filter(|&place| nearest(image, place).is_some_and(&counts))
+        .filter_map(|place| light(image, place))
+        .collect();
+    lights.sort_by(f64::total_cmp);
+    lights.get(lights.len() / 2).copied()
+}
+
+/// The second moments of light around a centre, told by pixels and light; those of a circle where one axis is longer
+/// than ten of the other.
+pub fn shape(centre: Place, pixels: impl Iterator<Item = (Place, f64)>) -> Shape {
+    let moments = pixels.map(|(place, light)| {
+        let (x, y) = (place.0 - centre.0, place.1 - centre.1);
+        (light * x * x, light * x * y, light * y * y)
+    });
+    let (xx, xy, yy) = moments.fold((0.0, 0.0, 0.0), |all, one| (all.0 + one.0, all.1 + one.1, all.2 + one.2));
+    let flattening = ((xx - yy).powi(2) + 4.0 * xy * xy) / (xx + yy).powi(2);
+    if 1.0 - flattening > 0.039 { (xx, xy, yy) } else { ROUND }
 }
 
 /// The pixel nearest to a place in the frame.

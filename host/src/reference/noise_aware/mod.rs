@@ -195,7 +195,7 @@ pub fn deblend(
     let typical = Typical::of(image, regions, noise);
     let scene = Scene { image, typical: &typical, noise, photon, settings, judge };
     (0..2).for_each(|_| scene.reopen(regions));
-    compete(image, regions, judge);
+    (0..2).for_each(|_| compete(image, regions, judge));
     (0..2).for_each(|_| regions.labels = straighten(&regions.labels, image.width()));
     regions.labels = connect(regions, image.width());
 }

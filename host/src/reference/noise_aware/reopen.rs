@@ -70,8 +70,11 @@ impl Scene<'_> {
     }
 
     fn host_light(&self, host: &Region, at: usize) -> Option<f64> {
-        let typical = self.typical.light(host, self.place(at));
-        Some(mirrored(self.image, host.centre, self.place(at))?.max(typical))
+        let (x, y) = opposite(host.centre, self.place(at));
+        let middle = light(self.image, (x, y))?;
+        let beside = [(x - 0.2, y), (x + 0.2, y), (x, y - 0.2), (x, y + 0.2)];
+        let mirrored = beside.into_iter().filter_map(|place| light(self.image, place)).fold(middle, f64::max);
+        Some(mirrored.max(self.typical.light(host, self.place(at))))
     }
 
     /// Whether a pixel has significantly more than so much light.
@@ -118,6 +121,13 @@ impl Scene<'_> {
         neighbours(at, self.image.width(), self.image.height(), self.settings.connectivity.neighbours())
     }
 
+    /// Whether a pixel rises above what is around it at four pixels.
+    fn is_peak(&self, at: usize) -> bool {
+        let (centre, v) = (self.place(at), self.image.values()[at]);
+        let around = around(self.image, centre, (centre.0 + 4.0, centre.1));
+        self.judge.exceeds(v - around, 3.0 * self.noise * grown(self.photon, v))
+    }
+
     /// Makes a group a region, if two sources do not explain it.
     fn divide(&self, group: &[usize], regions: &mut Regions) {
         let label = regions.labels[group[0]];
@@ -131,8 +141,7 @@ impl Scene<'_> {
         let divided = host.divided.map_or(0, |part| regions.labels[part]);
         let second = if beside != 0 { beside } else { divided };
         let explained = |at: usize| {
-            let typical = self.typical.light(&host, self.place(at));
-            let own = mirrored(self.image, host.centre, self.place(at)).unwrap_or(0.0).max(typical);
+            let own = self.host_light(&host, at).unwrap_or(0.0);
             let Some(second_region) = regions.of(second).filter(|_| second != label) else { return own };
             let shown = nearest(self.image, opposite(second_region.centre, self.place(at)));
             if beside == 0 && shown.is_none_or(|shown| regions.labels[shown] != second) {
@@ -141,13 +150,13 @@ impl Scene<'_> {
             own + alone(self.image, [host.centre, second_region.centre], self.place(at)).unwrap_or(0.0)
         };
         let unexplained = group.iter().filter(|&&at| self.exceeds(at, explained(at))).count();
-        if unexplained < self.settings.reopened_area {
-            return;
-        }
         let excess =
             |at: usize| self.image.values()[at] - mirrored(self.image, host.centre, self.place(at)).unwrap_or(0.0);
         let peak = group.iter().copied().reduce(|best, at| if excess(at) > excess(best) { at } else { best });
         let peak = peak.unwrap_or(group[0]);
+        if unexplained < self.settings.reopened_area || !self.is_peak(peak) {
+            return;
+        }
         regions.table[label as usize - 1].divide(self.image, peak);
         regions.table.push(Region {
             peak,

@@ -58,6 +58,7 @@ fn sources(sums: &[Sums], regions: &Regions, cut: Cut, settings: &Settings, judg
         let area = if region.divided.is_some() { part } else { settings.min_area };
         let stands_out = region.divided.is_none() && !judge.exceeds(cut.narrow, sum.narrow);
         let (least, part) = if stands_out { (cut.lenient, 0.5) } else { (cut.least, 1.0) };
+        let area = if stands_out { settings.min_area - settings.min_area / 3 } else { area };
         sum.area >= area && !judge.exceeds(least, sum.peak) && !judge.exceeds(part * settings.light, sum.light)
     };
     sums.iter().zip(&regions.table).map(is_source).collect()

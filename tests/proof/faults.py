@@ -25,9 +25,9 @@ FAULTS = [
     # Values, sky and noise.
     ("levels are those of the other end", "core/src/image/normalize.rs", "(pixel - self.low) / <<span>>", "(span + self.low)", "all:crosscheck::"),
     ("the sky's mode is its median", "core/src/sky/clipped.rs", "<<2.5 * middle - 1.5 * mean>>", "middle", "core:sky:: all:rules_default::"),
-    ("clipping keeps its bias", "core/src/sky/clipped.rs", "moments.deviation * <<CLIPPED_AWAY>>", "1.0", "core:sky:: all:rules_default::"),
+    ("clipping keeps its bias", "core/src/sky/clipped.rs", "(deviation * <<CLIPPED_AWAY>>)", "1.0", "core:sky:: all:rules_default::"),
     ("coarse noise has a median", "core/src/sky/clipped.rs", "centre = if <<coarse(noise)>> {", "false", "core:sky:: all:rules_default::"),
-    ("a cell is read at the next column", "core/src/sky/mesh.rs", "cell_of(size, grid, <<row * grid.width.get() + column>>);", "row * grid.width.get() + (column + 1) % grid.width.get()", "core:sky:: all:rules_default::"),
+    ("a cell is read at the next column", "core/src/sky/mesh.rs", "sides(size, grid, <<row * grid.width.get() + column>>);\n                let count", "row * grid.width.get() + (column + 1) % grid.width.get()", "core:sky:: all:rules_default::"),
     ("the sky's slope ends at the outer cells", "core/src/sky/mesh.rs", "near + <<slope>> * (near - far)", "0.0", "core:sky:: all:rules_default::"),
     ("the sky is not smoothed", "core/src/sky/mesh.rs", "sort::few(&mut values, |a, b| a.key() < b.key());\n    let [.., middle, _, _, _, _] = <<values>>;", "{ let [_, _, _, _, least, ..] = values; let mut copy = values; copy[4] = least * 1.01; copy }", "core:sky:: all:rules_default::"),
     ("spikes keep their light", "core/src/sky/spike.rs", "alone { <<median>> } else", "own", "core:sky:: all:rules_default::"),
@@ -67,7 +67,7 @@ FAULTS = [
     ("wide sources are centred on their peaks", "core/src/sources/centre.rs", "if <<region.area > WIDE>> ||", "region.area > 100 * WIDE", "core:sources::centre"),
     ("plateaus are twice as large", "core/src/sources/centre.rs", "region.plateau < <<SHARE>> * region.area", "0.5", "core:sources::centre"),
     ("the typical source is the median's", "core/src/sources/typical.rs", "sorted.get(<<count / 4>>)", "count / 2", "core:sources::typical"),
-    ("reopened groups need no area", "core/src/sources/deblend.rs", "(unexplained as u32) < <<least_area>> {", "1", "all:rules_default:: all:settings::"),
+    ("reopened groups need no area", "core/src/sources/deblend.rs", "(unexplained as u32) < <<least_area>> ||", "1", "all:rules_default:: all:settings::"),
     ("the excess is not asked", "core/src/sources/deblend.rs", "L::of(<<excess>> * noise.least", "0.5 * excess", "all:rules_default:: all:settings::"),
     ("borders lie elsewhere", "core/src/sources/deblend.rs", "let other_from = L::Weight::of(<<OTHER>>);", "1.5", "all:rules_default::"),
     ("combs stay", "core/src/sources/deblend.rs", "(others >= <<6>> && same < 3)", "8", "all:rules_default::"),
@@ -79,8 +79,8 @@ FAULTS = [
     # Between polls.
     ("a snapshot of any version", "core/src/run/snapshot.rs", "if <<word != expected>> {", "word != expected && what != \"format version\"", "all:snapshots::"),
     # The program.
-    ("CROTA turns the other way", "host/src/sky/linear.rs", "let sign = if <<axes[0] == 1>>", "axes[0] != 3", "host:sky:: all:catalogue::"),
-    ("regions are half a pixel off", "host/src/outline/files.rs", "{:.3},{:.3}\", <<x + 1.0>>,", "x + 0.5", "all:products:: host:outline::"),
+    ("CROTA turns the other way", "host/src/sky/linear.rs", "let sign = if <<axes[0] == 1>>", "axes[0] != 3", "all:sky::"),
+    ("regions are half a pixel off", "host/src/outline/files.rs", "{:.3},{:.3}\", <<x + 1.0>>,", "x + 0.5", "all:catalogue::outlines"),
     ("a variance is a deviation", "host/src/input/weight.rs", "WeightType::Variance => <<value.sqrt()>>,", "value", "host:input::weight all:maps::"),
 ]
 

@@ -1,5 +1,6 @@
 //! The catalogue and the outlines as a user meets them: every format tells the same.
 
+use skyfront::outline::{Ring, write_polygons, write_regions};
 use skyfront::read::image;
 use skyfront::sky::Sky;
 use skyfront::write::fits::Writer;
@@ -159,6 +160,19 @@ fn regions_and_polygons_enclose_their_sources() {
             assert!((1.0..12.0).contains(&distance), "{distance} pixels from the middle");
         }
     }
+}
+
+/// The centre of the first pixel is (1, 1) in DS9 as in FITS.
+#[test]
+fn outlines_are_written_at_their_pixels() {
+    let ring = Ring { label: 7, hole: true, points: vec![(0.0, 0.0), (2.5, 0.25), (-0.5, 3.0)] };
+    let (mut regions, mut polygons) = (Vec::new(), Vec::new());
+    write_regions(std::slice::from_ref(&ring), None, &mut regions).expect("a vector takes all");
+    write_polygons(&[ring], None, &mut polygons).expect("a vector takes all");
+    let text = String::from_utf8(regions).expect("text");
+    assert_eq!(text.lines().last(), Some("-polygon(1.000,1.000,3.500,1.250,0.500,4.000) # text={7}"));
+    let rings: serde_json::Value = serde_json::from_slice(&polygons).expect("JSON");
+    assert_eq!(rings[0]["pixel"], serde_json::json!([[1.0, 1.0], [3.5, 1.25], [0.5, 4.0]]));
 }
 
 /// A table of a batch can be stacked on the others: its columns stay.

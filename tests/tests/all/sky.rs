@@ -238,3 +238,25 @@ fn shapes_are_turned_onto_the_sky() {
     assert!((ellipse.a - 1.44).abs() < 1e-5 && (ellipse.b - 1.08).abs() < 1e-5, "{ellipse:?}");
     assert!(ellipse.theta.abs() < 1e-5, "along north: {}", ellipse.theta);
 }
+
+/// The rotation stands with the latitude axis, wherever that is; the places are astropy's.
+#[test]
+fn a_rotation_turns_swapped_axes_the_right_way() {
+    let text = "CTYPE1  = 'DEC--TAN'
+CTYPE2  = 'RA---TAN'
+CRPIX1  = 20.0
+CRPIX2  = 30.0
+CRVAL1  = -59.7
+CRVAL2  = 150.5
+CDELT1  = 0.002
+CDELT2  = -0.002
+CROTA1  = 33.0";
+    let sky = Sky::of(&header(text)).expect("supported").expect("celestial");
+    for ((x, y), (ra, dec)) in [
+        ((1.0, 1.0), (150.637_434_742_444_5, -59.700_208_616_050_35)),
+        ((250.25, 777.5), (147.481_942_557_819_62, -60.093_661_475_140_27)),
+    ] {
+        let (found_ra, found_dec) = sky.position(x - 1.0, y - 1.0).expect("a place");
+        assert!((found_ra - ra).abs() < 1e-8 && (found_dec - dec).abs() < 1e-8, "{found_ra}, {found_dec}");
+    }
+}

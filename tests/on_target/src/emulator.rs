@@ -29,7 +29,7 @@ impl Drop for Emulator {
 /// line or is not there after `limit`. The message names machine, program and the last line seen.
 pub fn run(machine: &Machine, bin: &str, limit: Duration) -> Result<Report> {
     let image = build::image(machine.target, bin);
-    run_image(machine, &image, limit).with_context(|| bin.to_owned())
+    collect(machine, &image, limit).with_context(|| format!("{bin} on {}", machine.name))
 }
 
 /// The same for an image that lies elsewhere.

@@ -51,9 +51,9 @@ impl<L: Level> Region<L> {
         label: 0,
     };
 
-    /// The shape of its isophotes.
+    /// The shape of its isophotes; round for a plateau, of whose light a bleed trail would make an ellipse.
     pub fn shape(&self) -> Ellipse<L> {
-        Ellipse::of(self.offsets)
+        if self.plateau > 0.0 { Ellipse::ROUND } else { Ellipse::of(self.offsets) }
     }
 
     /// Remembers the part that has a pixel, where no brighter one is known.

@@ -85,7 +85,8 @@ def test_settings_and_maps(mosaic):
         {"background": 0.015, "noise": noise, "neighbours": "mask", "gain": 2.0},
     ]:
         wrapped = {k: da.from_array(v, (99, 120)) if isinstance(v, np.ndarray) else v for k, v in options.items()}
-        same(skyfront.dask.segment(chunked, **wrapped), skyfront.segment(mosaic, **options))
+        # Above a sky that is given too low the slope makes a source of 165 rows: a wider halo than by itself holds it.
+        same(skyfront.dask.segment(chunked, depth=150, **wrapped), skyfront.segment(mosaic, **options))
 
 
 def test_coordinates_are_those_of_the_whole(mosaic):

@@ -1,8 +1,8 @@
 //! Borders between sources, and sources in one piece (`default.md`, 6).
 
-use super::light::{Shape, light, nearest, on_ellipse, opposite, place, shape};
+use super::light::{ROUND, Shape, light, nearest, on_ellipse, opposite, place, shape};
 use super::reopen::alone;
-use super::{Judge, Plane, Regions, neighbours};
+use super::{Judge, Plane, Region, Regions, neighbours};
 
 /// Measures the shapes of sources and lets neighbours compete for pixels, forwards and once backwards.
 pub fn compete(image: &Plane, regions: &mut Regions, judge: &Judge) {
@@ -31,9 +31,11 @@ fn shapes(image: &Plane, regions: &Regions) -> Vec<Shape> {
         pixels[label as usize - 1].push(at);
     }
     let told = |at: usize| (place(at, image.width()), image.values()[at].max(0.0));
-    let of =
-        |(label, pixels): (usize, &Vec<usize>)| shape(regions.table[label].centre, pixels.iter().map(|&at| told(at)));
-    pixels.iter().enumerate().map(of).collect()
+    let of = |(region, pixels): (&Region, &Vec<usize>)| match region.plateau {
+        true => ROUND,
+        false => shape(region.centre, pixels.iter().map(|&at| told(at))),
+    };
+    regions.table.iter().zip(&pixels).map(of).collect()
 }
 
 /// The mirrored light of a source, where it is its own and in the frame; else that on its ellipse.

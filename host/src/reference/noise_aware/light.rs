@@ -31,7 +31,7 @@ pub fn mirrored(image: &Plane, centre: Place, from: Place) -> Option<f64> {
 pub type Shape = (f64, f64, f64);
 
 /// A circle.
-const ROUND: Shape = (1.0, 0.0, 1.0);
+pub const ROUND: Shape = (1.0, 0.0, 1.0);
 
 /// The seven other places on the ellipse through a place, 45 degrees apart in the circle that it is when stretched.
 fn turned(centre: Place, (xx, xy, yy): Shape, from: Place) -> [Place; 7] {

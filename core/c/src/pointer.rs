@@ -33,6 +33,11 @@ pub unsafe fn slice_mut<'a, T>(start: *mut T, count: usize) -> Option<&'a mut [T
     Some(unsafe { core::slice::from_raw_parts_mut(start, count) })
 }
 
+/// Pixels from the first to the last of a frame of which the rows are `stride` pixels apart.
+pub fn pixels_of(width: usize, height: usize, stride: usize) -> usize {
+    stride.saturating_mul(height.saturating_sub(1)).saturating_add(width)
+}
+
 /// A text that ends with a zero byte, of at most 64 bytes; none where it is null, longer or no UTF-8.
 ///
 /// # Safety

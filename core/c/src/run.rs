@@ -5,7 +5,7 @@ use crate::error::{
     SKYFRONT_ERROR_PRESET, SKYFRONT_ERROR_SETTING, SKYFRONT_ERROR_TABLE, SKYFRONT_OK, number,
 };
 use crate::memory::{ALIGNMENT, Block, slices};
-use crate::pointer::{slice, slice_mut, text};
+use crate::pointer::{pixels_of, slice, slice_mut, text};
 use core::ffi::{c_char, c_void};
 use core::fmt::{Display, Write};
 use skyfront_core::arithmetic::{Cell, F32};
@@ -381,26 +381,27 @@ impl skyfront_run {
         }
         SKYFRONT_OK
     }
+}
 
-    /// # Safety
-    /// `pixels` points to the frame's pixels, `progress` to a progress or nowhere.
-    unsafe fn poll_pixels<P: Pixel>(
-        &mut self,
-        rows: usize,
-        (pixels, stride): (*const P, usize),
-        progress: *mut skyfront_progress,
-    ) -> i32 {
-        let (width, height) = self.size;
-        if stride < width {
-            return SKYFRONT_ERROR_LENGTH;
-        }
-        let needed = stride.saturating_mul(height.saturating_sub(1)).saturating_add(width);
+/// # Safety
+/// `run` is null or was started, `pixels` points to the frame's pixels, `progress` to a progress or nowhere.
+unsafe fn poll_pixels<P: Pixel>(
+    run: *mut skyfront_run,
+    rows: usize,
+    (pixels, stride): (*const P, usize),
+    progress: *mut skyfront_progress,
+) -> i32 {
+    // SAFETY: the caller's promise.
+    let Some(run) = (unsafe { run.as_mut() }) else { return SKYFRONT_ERROR_POINTER };
+    let (width, height) = run.size;
+    if stride < width {
+        return SKYFRONT_ERROR_LENGTH;
+    }
+    // SAFETY: the caller's promise.
+    match unsafe { slice(pixels, pixels_of(width, height, stride)) } {
         // SAFETY: the caller's promise.
-        match unsafe { slice(pixels, needed) } {
-            // SAFETY: the caller's promise.
-            Some(pixels) => self.poll(rows, &mut Rows { pixels, stride }, unsafe { progress.as_mut() }),
-            None => SKYFRONT_ERROR_POINTER,
-        }
+        Some(pixels) => run.poll(rows, &mut Rows { pixels, stride }, unsafe { progress.as_mut() }),
+        None => SKYFRONT_ERROR_POINTER,
     }
 }
 
@@ -417,12 +418,8 @@ pub unsafe extern "C" fn skyfront_run_poll_u16(
     stride: usize,
     progress: *mut skyfront_progress,
 ) -> i32 {
-    // SAFETY: the caller's promise.
-    match unsafe { run.as_mut() } {
-        // SAFETY: the same.
-        Some(run) => unsafe { run.poll_pixels(rows, (pixels, stride), progress) },
-        None => SKYFRONT_ERROR_POINTER,
-    }
+    // SAFETY: the caller's promise is the same.
+    unsafe { poll_pixels(run, rows, (pixels, stride), progress) }
 }
 
 /// The same on a frame of 8 bits per pixel.
@@ -437,12 +434,8 @@ pub unsafe extern "C" fn skyfront_run_poll_u8(
     stride: usize,
     progress: *mut skyfront_progress,
 ) -> i32 {
-    // SAFETY: the caller's promise.
-    match unsafe { run.as_mut() } {
-        // SAFETY: the same.
-        Some(run) => unsafe { run.poll_pixels(rows, (pixels, stride), progress) },
-        None => SKYFRONT_ERROR_POINTER,
-    }
+    // SAFETY: the caller's promise is the same.
+    unsafe { poll_pixels(run, rows, (pixels, stride), progress) }
 }
 
 /// The same on rows that a function delivers, whenever they are asked for and always the same; `context` is passed

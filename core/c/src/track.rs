@@ -1,7 +1,7 @@
 //! Stars in windows.
 
 use crate::error::{SKYFRONT_ERROR_POINTER, SKYFRONT_OK, number};
-use crate::pointer::{slice, slice_mut};
+use crate::pointer::{pixels_of, slice, slice_mut};
 use core::mem::offset_of;
 use skyfront_core::arithmetic::F32;
 use skyfront_core::track::{self, BadPixel, Camera, Pixel, Raster, Star, Window};
@@ -118,11 +118,10 @@ impl<P: Pixel> Call<P> {
     /// Every pointer is null or points to as many elements as its length says, one per window for the stars.
     unsafe fn run(self) -> i32 {
         let (pixels, width, height, stride) = self.frame;
-        let needed = stride.saturating_mul(height.saturating_sub(1)).saturating_add(width);
         // SAFETY: the caller's promise; the records are the core's own (`same!`), the camera one element.
         let slices = unsafe {
             (
-                slice(pixels, needed),
+                slice(pixels, pixels_of(width, height, stride)),
                 slice(self.camera.cast::<Camera>(), 1),
                 slice(self.windows.0.cast::<Window>(), self.windows.1),
                 slice(self.bad.0.cast::<BadPixel>(), self.bad.1),

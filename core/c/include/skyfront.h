@@ -122,6 +122,11 @@
 #define SKYFRONT_ERROR_TABLE 19
 
 /*
+ A snapshot was not taken up, and the run that was to take it up has lost its memory.
+ */
+#define SKYFRONT_ERROR_NOT_RESTORED 20
+
+/*
  The parameter table of the setup.
  */
 #define SKYFRONT_PRESET_TABLE 0

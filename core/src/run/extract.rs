@@ -86,6 +86,8 @@ pub struct Extractor<'a, 'm, L: Level> {
     kept: Kept,
     survey: Survey,
     unreached: u32,
+    /// What ended the run before its end.
+    ended: Option<Error>,
 }
 
 impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
@@ -121,6 +123,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             kept: Kept::default(),
             survey: Survey::default(),
             unreached: 0,
+            ended: None,
         })
     }
 
@@ -137,11 +140,12 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         Plan::of(&self.config).steps().nth(self.done).map(|step| step.stage)
     }
 
-    /// Does the next step; where a front is awaited, or nothing is left to do, nothing.
+    /// Does the next step; where a front is awaited, or nothing is left to do, nothing. After an error the run
+    /// cannot go on, and every poll reports the same.
     ///
     /// # Errors
-    /// [`Error::NothingDefined`], or [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
-    /// of its sky or of its noise.
+    /// [`Error::NothingDefined`], [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
+    /// of its sky or of its noise; [`Error::Waiting`] where other parts of an image have yet to answer.
     pub fn poll(&mut self) -> Result<Progress, Error> {
         self.poll_by(&Alone)
     }
@@ -151,14 +155,19 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     /// # Errors
     /// As [`Extractor::poll`].
     pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
+        if let Some(ended) = self.ended {
+            return Err(ended);
+        }
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
-            self.step(stage, crew)?;
-            if self.view.known.whole.is_some_and(Whole::is_waiting) {
-                return Err(Error::Waiting);
-            }
+            self.whole_step(stage, crew).map_err(|error| *self.ended.insert(error))?;
             self.done += 1;
         }
         Ok(self.progress())
+    }
+
+    fn whole_step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
+        self.step(stage, crew)?;
+        if self.view.known.whole.is_some_and(Whole::is_waiting) { Err(Error::Waiting) } else { Ok(()) }
     }
 
     fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
@@ -372,6 +381,67 @@ pub fn extract<L: Level>(
             Progress::Next(_) => {}
             Progress::Done(found) => return Ok(found),
             Progress::Front => return Err(moved_elsewhere(config)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::mask::mask_words;
+    use crate::plane::smooth::ROOM_ROWS;
+    use crate::run::workspace::regions;
+    use crate::sky::mesh_cells;
+    use crate::sources::tree::Region;
+
+    extern crate std;
+    use std::vec;
+    use std::vec::Vec;
+
+    const WIDTH: usize = 40;
+    const HEIGHT: usize = 30;
+    const COUNT: usize = WIDTH * HEIGHT;
+
+    /// The memory of a run over a frame of [`WIDTH`] x [`HEIGHT`].
+    struct Room<L: Level> {
+        levels: [Vec<L>; 3],
+        words: [Vec<u32>; 3],
+        masked: Vec<u32>,
+        rows: Vec<L>,
+        mesh: Vec<Sky>,
+        regions: Vec<Region<L>>,
+    }
+
+    impl<L: Level> Room<L> {
+        fn new() -> Self {
+            Room {
+                levels: [(); 3].map(|()| vec![L::ZERO; COUNT]),
+                words: [(); 3].map(|()| vec![0; COUNT]),
+                masked: vec![0; mask_words(COUNT)],
+                rows: vec![L::ZERO; ROOM_ROWS * WIDTH],
+                mesh: vec![Sky::UNKNOWN; mesh_cells(WIDTH, HEIGHT, Config::NOISE_AWARE.sky.cell())],
+                regions: vec![Region::BLANK; regions(WIDTH, HEIGHT)],
+            }
+        }
+
+        fn work(&mut self) -> Workspace<'_, L> {
+            let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
+            let Room { masked, rows, mesh, regions, .. } = self;
+            Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions }
+        }
+    }
+
+    #[test]
+    fn errors_end_a_run() {
+        let nothing = |error: &Error| matches!(error, Error::NothingDefined { pixels: COUNT });
+        let no_noise = |error: &Error| matches!(error, Error::NoNoise { value: 3.0, .. });
+        for (pixel, is_expected) in [(f32::NAN, &nothing as &dyn Fn(&Error) -> bool), (3.0, &no_noise)] {
+            let (mut room, pixels) = (Room::<f32>::new(), [pixel; COUNT]);
+            let mut run = Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work())
+                .expect("room enough");
+            let errors = (0..9).filter_map(|_| run.poll().err());
+            let errors: Vec<Error> = errors.collect();
+            assert!(errors.len() > 5 && errors.iter().all(is_expected), "{errors:?}");
         }
     }
 }

@@ -26,7 +26,7 @@ const STATE_WORDS: usize = 116;
 const SOURCE_WORDS: usize = 25;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will
-/// only report [`crate::error::Error::Corrupted`]; set up another.
+/// only report [`crate::error::Error::NotRestored`]; set up another, or take up another snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SnapshotError<E> {
     /// The medium failed or ended early.

@@ -98,6 +98,8 @@ pub enum Error<E = core::convert::Infallible> {
         /// Which plane or table.
         name: &'static str,
     },
+    /// The frame was changed by others while the run read it.
+    FrameChanged,
     /// A snapshot was not taken up, and the run that was to take it up has lost its memory.
     NotRestored,
     /// The frame source failed.
@@ -127,6 +129,7 @@ impl<E> Error<E> {
             Error::Front { scheme, mover } => Error::Front { scheme, mover },
             Error::Waiting => Error::Waiting,
             Error::Corrupted { name } => Error::Corrupted { name },
+            Error::FrameChanged => Error::FrameChanged,
             Error::NotRestored => Error::NotRestored,
             Error::Frame(error) => return Err(error),
         })
@@ -167,6 +170,7 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
             Error::Front { scheme, mover } => write!(f, "the front of the scheme {scheme} is moved by {mover}"),
             Error::Waiting => f.write_str("the other parts of the image have yet to answer"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),
+            Error::FrameChanged => f.write_str("the frame was changed while it was worked on"),
             Error::NotRestored => f.write_str("the snapshot was not taken up: the run has lost its memory"),
             Error::Frame(error) => write!(f, "reading the frame: {error}"),
         }

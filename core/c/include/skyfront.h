@@ -127,6 +127,11 @@
 #define SKYFRONT_ERROR_NOT_RESTORED 20
 
 /*
+ The frame was changed by others while the run read it.
+ */
+#define SKYFRONT_ERROR_FRAME_CHANGED 21
+
+/*
  The parameter table of the setup.
  */
 #define SKYFRONT_PRESET_TABLE 0

@@ -10,6 +10,8 @@ pub mod field;
 pub mod grid;
 pub mod mask;
 pub mod part;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod raster;
 pub mod rows;
 pub mod smooth;
 pub mod sort;

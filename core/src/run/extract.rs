@@ -21,6 +21,7 @@ use crate::plane::field::Field;
 use crate::plane::grid::Grid;
 use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{Question, Whole};
+use crate::plane::raster::{Raster, Sample};
 use crate::plane::sort::Keys;
 use crate::run::plan::{Plan, ROUNDS};
 use crate::run::stage::Stage;
@@ -71,11 +72,10 @@ pub enum Progress {
 
 /// A run over a frame in the caller's memory.
 #[derive(Debug)]
-pub struct Extractor<'a, 'm, L: Level> {
+pub struct Extractor<'a, 'm, L: Level, P = f32> {
     config: Config,
-    pixels: &'a [f32],
     grid: Grid,
-    view: View<'a>,
+    view: View<'a, P>,
     work: Workspace<'m, L>,
     /// Steps of the plan that are done.
     done: usize,
@@ -94,9 +94,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     /// Sets up a run over `pixels` (row-major, not finite = undefined).
     ///
     /// # Errors
-    /// What [`Config::validate_values`] finds, [`Error::Together`] for a configuration without a sky,
-    /// [`Error::Size`], [`Error::Length`] for memory or maps of another size, or [`Error::Arithmetic`]
-    /// for a side longer than [`Level::LONGEST`].
+    /// Those of [`Extractor::over`].
     pub fn new(
         config: &Config,
         pixels: &'a [f32],
@@ -104,16 +102,47 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         known: Known<'a>,
         work: Workspace<'m, L>,
     ) -> Result<Self, Error> {
+        Extractor::set_up(config, (Raster::of(pixels, width), pixels.len(), width), known, work)
+    }
+}
+
+impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
+    /// Sets up a run over a frame as it lies in memory, in single precision or in a camera's counts. What comes out
+    /// has the bits of a run over the same numbers in single precision.
+    ///
+    /// Each row is read seven times, and a sample of at most 65536 pixels once more; where pixels are undefined, some
+    /// are looked at again. A frame that others may write to meanwhile ([`Sample::CHANGES`]) is summed up as it is
+    /// read, and where pixels are undefined read once more at the end.
+    ///
+    /// # Errors
+    /// What [`Config::validate_values`] finds, [`Error::Together`] for a configuration without a sky,
+    /// [`Error::Size`], [`Error::Length`] for memory or maps of another size, [`Error::Arithmetic`]
+    /// for a side longer than [`Level::LONGEST`], or [`Error::Parameter`] for bad pixels that are not in order.
+    pub fn over(
+        config: &Config,
+        frame: Raster<'a, P>,
+        known: Known<'a>,
+        work: Workspace<'m, L>,
+    ) -> Result<Self, Error> {
+        Extractor::set_up(config, (frame, frame.count(), frame.width), known, work)
+    }
+
+    fn set_up(
+        config: &Config,
+        (frame, count, width): (Raster<'a, P>, usize, usize),
+        known: Known<'a>,
+        work: Workspace<'m, L>,
+    ) -> Result<Self, Error> {
         config.validate_values()?;
         if !config.sky.is_known() {
             return Err(moved_elsewhere(config));
         }
-        let grid = work.check(pixels.len(), width, config.sky.cell(), known)?;
+        let grid = work.check(count, width, config.sky.cell(), known)?;
+        known.check_bad()?;
         Ok(Extractor {
             config: *config,
-            pixels,
             grid,
-            view: View { pixels, grid, known, values: Values::UNKNOWN },
+            view: View { frame, grid, known, values: Values::UNKNOWN },
             work,
             done: 0,
             masked_from: L::ZERO,
@@ -145,7 +174,7 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     ///
     /// # Errors
     /// [`Error::NothingDefined`], [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
-    /// of its sky or of its noise; [`Error::Waiting`] where other parts of an image have yet to answer.
+    /// of its sky or of its noise; [`Error::FrameChanged`] where others have written to it; [`Error::Waiting`] where other parts of an image have yet to answer.
     pub fn poll(&mut self) -> Result<Progress, Error> {
         self.poll_by(&Alone)
     }
@@ -176,12 +205,19 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
             return self.pass_over(stage, round, whole);
         }
         let Extractor { config, grid, view, work, .. } = self;
-        let (grid, has_signal) = (*grid, |view: &View<'_>, at: usize| view.has_signal(at));
+        let (grid, is_whole) = (*grid, view.is_whole());
+        let inside = |at: usize| is_whole || view.has_signal(at);
         match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let survey = signal::measure(view, config.sky.cell(), round, &mut work.sky(), crew);
-                self.survey = survey.ok_or_else(|| self.no_noise())?;
+                let measured = signal::measure(view, config.sky.cell(), round, &mut work.sky(), crew);
+                self.survey = measured.survey;
+                if measured.checksum != self.view.values.checksum {
+                    return Err(Error::FrameChanged);
+                }
+                if !measured.has_noise {
+                    return Err(self.no_noise());
+                }
             }
             Stage::Smooth => {
                 let tail = signal::smooth(view, round, &mut work.sky(), crew);
@@ -205,7 +241,6 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 front.outline([work.fine, start], work.labels, work.rows, grid, crew);
             }
             Stage::Tree => {
-                let inside = |at: usize| has_signal(view, at);
                 self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
             }
             Stage::Deblend => {
@@ -213,7 +248,6 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 drop_undefined(view, work.labels);
             }
             Stage::Components => {
-                let inside = |at: usize| has_signal(view, at);
                 self.count = separate::components(grid, inside, config.connectivity, &mut work.separation());
                 drop_undefined(view, work.labels);
             }
@@ -227,6 +261,10 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                     Select::Significance => selection::cut(view, config, &mut planes, crew),
                 };
                 self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
+                // Which pixels are undefined the frame has told up to here.
+                if P::CHANGES && !view.is_whole() && view.frame.checksum() != view.values.checksum {
+                    return Err(Error::FrameChanged);
+                }
             }
             _ => {}
         }
@@ -253,13 +291,13 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
 
     /// What the values of the frame are.
     fn look(&mut self) -> Result<(), Error> {
-        let Extractor { pixels, grid, work, view, .. } = self;
-        *view = View::of(pixels, *grid, view.known, Keys(work.parents, work.order));
+        let Extractor { grid, work, view, .. } = self;
+        *view = View::of(view.frame, *grid, view.known, Keys(work.parents, work.order));
         if view.known.whole.is_some_and(Whole::is_waiting) {
             return Ok(());
         }
         if view.values.defined == 0 {
-            return Err(Error::NothingDefined { pixels: pixels.len() });
+            return Err(Error::NothingDefined { pixels: grid.cells() });
         }
         work.masked.fill(0);
         signal::mask_undefined(view, &mut MaskMut(work.masked));
@@ -273,7 +311,8 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         if self.work.mesh.first().is_none_or(|sky| sky.level.is_nan()) {
             return Error::NoSky { defined, needed: LEAST_PIXELS };
         }
-        let equal = (0..).zip(self.pixels).filter(|&(at, &pixel)| pixel == commonest && view.is_defined(at)).count();
+        let is_equal = |&at: &usize| view.frame.value(at) == Some(commonest) && view.is_defined(at);
+        let equal = (0..self.grid.cells()).filter(is_equal).count();
         Error::NoNoise { value: commonest, equal: equal as u32, defined }
     }
 
@@ -355,7 +394,7 @@ fn moved_elsewhere(config: &Config) -> Error {
 }
 
 /// An undefined pixel between two of a source carries its light across, but is in no source.
-fn drop_undefined(view: &View<'_>, labels: &mut [u32]) {
+fn drop_undefined<P: Sample>(view: &View<'_, P>, labels: &mut [u32]) {
     if view.is_whole() {
         return;
     }
@@ -389,10 +428,14 @@ pub fn extract<L: Level>(
 mod tests {
     use super::*;
     use crate::plane::mask::mask_words;
+    use crate::plane::raster::{BadPixel, sealed::Sealed};
     use crate::plane::smooth::ROOM_ROWS;
+    use crate::run::frame::Frame;
     use crate::run::workspace::regions;
+    use crate::simulate::{Kind, Sky as Simulated};
     use crate::sky::mesh_cells;
     use crate::sources::tree::Region;
+    use core::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, Ordering};
 
     extern crate std;
     use std::vec;
@@ -429,6 +472,160 @@ mod tests {
             let Room { masked, rows, mesh, regions, .. } = self;
             Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions }
         }
+    }
+
+    /// Counts of a camera, with stars, in rows of `stride` of which the rest is no part of the frame.
+    fn counts(most: f32, stride: usize) -> Vec<u16> {
+        let (mut sky, mut counts) = (Simulated::new(Kind::Bright, 7, WIDTH, HEIGHT), vec![999; stride * HEIGHT]);
+        for (y, counts) in counts.chunks_exact_mut(stride).enumerate() {
+            let mut row = [0.0; WIDTH];
+            let Ok(()) = sky.row(y, &mut row);
+            counts.iter_mut().zip(row).for_each(|(count, value)| *count = (most * (0.1 + 0.5 * value)) as u16);
+        }
+        counts
+    }
+
+    /// What a run finds, and its labels.
+    #[derive(PartialEq)]
+    struct Result {
+        sources: u32,
+        found: std::string::String,
+        labels: Vec<u32>,
+    }
+
+    fn told(found: Found) -> std::string::String {
+        // Frames that can change have a checksum, and one NaN is as good as another.
+        std::format!("{:?}", Found { values: Values { checksum: 0, ..found.values }, ..found })
+    }
+
+    fn found<L: Level, P: Sample>(frame: Raster<'_, P>, known: Known<'_>) -> Result {
+        let mut room = Room::<L>::new();
+        let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, room.work()).expect("room enough");
+        let found = loop {
+            if let Progress::Done(found) = run.poll().expect("a sky with noise") {
+                break found;
+            }
+        };
+        let [_, _, labels] = room.words;
+        Result { sources: found.sources, found: told(found), labels }
+    }
+
+    fn counts_are_the_same_numbers<L: Level>() {
+        for most in [200.0, 4000.0] {
+            let padded = counts(most, WIDTH + 5);
+            let pixels: Vec<f32> = counts(most, WIDTH).iter().map(|&count| f32::from(count)).collect();
+            let expected = found::<L, f32>(Raster::of(&pixels, WIDTH), Known::default());
+            assert!(expected.sources > 1 && expected.found.contains("step: 1.0"), "{}", expected.found);
+            let words = Raster::new(&padded, WIDTH, HEIGHT, WIDTH + 5).expect("a frame");
+            assert!(found::<L, u16>(words, Known::default()) == expected, "up to {most}");
+            let bytes: Vec<u8> = padded.iter().map(|&count| count as u8).collect();
+            let bytes = Raster::new(&bytes, WIDTH, HEIGHT, WIDTH + 5).expect("a frame");
+            assert_eq!(found::<L, u8>(bytes, Known::default()) == expected, most < 256.0);
+        }
+    }
+
+    #[test]
+    fn counts_of_a_camera_give_the_bits_of_the_same_numbers_in_single_precision() {
+        counts_are_the_same_numbers::<f32>();
+        counts_are_the_same_numbers::<crate::arithmetic::Fixed14>();
+    }
+
+    const BAD: [BadPixel; 4] =
+        [BadPixel { x: 3, y: 0 }, BadPixel { x: 20, y: 7 }, BadPixel { x: 21, y: 7 }, BadPixel { x: 39, y: 29 }];
+
+    #[test]
+    fn bad_pixels_are_undefined_whatever_they_hold() {
+        let counts = counts(4000.0, WIDTH);
+        let mut pixels: Vec<f32> = counts.iter().map(|&count| f32::from(count)).collect();
+        BAD.iter().for_each(|bad| pixels[usize::from(bad.y) * WIDTH + usize::from(bad.x)] = f32::NAN);
+        let expected = found::<f32, f32>(Raster::of(&pixels, WIDTH), Known::default());
+        assert!(expected.found.contains("defined: 1196"), "{}", expected.found);
+        let known = Known { bad: &BAD, ..Known::default() };
+        assert!(found::<f32, u16>(Raster::of(&counts, WIDTH), known) == expected);
+    }
+
+    #[test]
+    fn bad_pixels_out_of_order_are_named() {
+        let mut room = Room::<f32>::new();
+        let [a, b, c, d] = BAD;
+        for (bad, expected) in
+            [([a, c, b, d], ("column of a bad pixel", 20.0, 21.0)), ([b, c, d, a], ("row of a bad pixel", 0.0, 29.0))]
+        {
+            let known = Known { bad: &bad, ..Known::default() };
+            let refused = Extractor::over(&Config::NOISE_AWARE, Raster::of(&[1u16; COUNT], WIDTH), known, room.work());
+            let Err(Error::Parameter { name, value, limit, .. }) = refused else { panic!("{refused:?}") };
+            assert_eq!((name, value, limit), expected);
+        }
+    }
+
+    /// Changes a pixel after every step in turn; the last step after which the run sees that.
+    fn last_seen(known: Known<'_>) -> Option<Stage> {
+        let counts = counts(4000.0, WIDTH);
+        let expected = found::<f32, u16>(Raster::of(&counts, WIDTH), known);
+        let steps: Vec<Stage> = Plan::of(&Config::NOISE_AWARE).steps().map(|step| step.stage).collect();
+        let is_seen = |changed: usize| {
+            let words: Vec<AtomicU16> = counts.iter().map(|&count| AtomicU16::new(count)).collect();
+            let mut room = Room::<f32>::new();
+            let frame = Raster::of(&words, WIDTH);
+            let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, room.work()).expect("room enough");
+            for poll in 0.. {
+                match run.poll() {
+                    Ok(Progress::Done(found)) => {
+                        assert_eq!(told(found), expected.found);
+                        return false;
+                    }
+                    Ok(_) if poll == changed => {
+                        words[500].fetch_xor(1, Ordering::Relaxed);
+                    }
+                    Ok(_) => {}
+                    Err(error) => {
+                        assert_eq!(error, Error::FrameChanged);
+                        return true;
+                    }
+                }
+            }
+            false
+        };
+        let seen: Vec<bool> = (0..steps.len()).map(is_seen).collect();
+        assert!(seen.is_sorted_by(|before, after| before >= after), "{seen:?}");
+        seen.iter().rposition(|&seen| seen).map(|index| steps[index])
+    }
+
+    #[test]
+    fn a_frame_that_others_write_to_is_told() {
+        assert_eq!(
+            last_seen(Known::default()),
+            Some(Stage::Mask),
+            "whoever reads it last is the last measurement of the sky"
+        );
+        assert_eq!(last_seen(Known { bad: &BAD, ..Known::default() }), Some(Stage::Deblend), "pixels may be undefined");
+        let bytes: Vec<AtomicU8> = counts(200.0, WIDTH).iter().map(|&count| AtomicU8::new(count as u8)).collect();
+        let whole = found::<f32, AtomicU8>(Raster::of(&bytes, WIDTH), Known::default());
+        let plain: Vec<u8> = bytes.iter().map(|byte| byte.load(Ordering::Relaxed)).collect();
+        assert!(whole == found::<f32, u8>(Raster::of(&plain, WIDTH), Known::default()));
+    }
+
+    /// A pixel that counts how often it is read.
+    #[derive(Debug)]
+    struct Counted(u16, AtomicU32);
+
+    impl Sealed for Counted {}
+
+    impl Sample for Counted {
+        fn value(&self) -> f32 {
+            self.1.fetch_add(1, Ordering::Relaxed);
+            f32::from(self.0)
+        }
+    }
+
+    #[test]
+    fn a_row_is_read_seven_times_and_a_sample_once_more() {
+        let pixels: Vec<Counted> =
+            counts(4000.0, WIDTH).iter().map(|&count| Counted(count, AtomicU32::new(0))).collect();
+        found::<f32, Counted>(Raster::of(&pixels, WIDTH), Known::default());
+        // All of a small frame is its sample.
+        let reads = |pixel: &Counted| pixel.1.load(Ordering::Relaxed);
+        assert_eq!((pixels.iter().map(reads).min(), pixels.iter().map(reads).max()), (Some(8), Some(8)));
     }
 
     #[test]

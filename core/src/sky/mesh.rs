@@ -5,6 +5,7 @@ use crate::arithmetic::Level;
 use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
 use crate::plane::part::{CELL_WORDS, Question, Whole};
+use crate::plane::raster::{Raster, Sample};
 use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
 
@@ -110,14 +111,14 @@ impl<'m> Mesh<'m> {
         values: &Values,
         keys: Keys<'_>,
     ) -> Survey {
-        self.measure_by(&Alone, pixels, seen, values, keys)
+        self.measure_by(&Alone, &Raster::of(pixels, self.size.0), seen, values, keys)
     }
 
     /// The same by a crew, of which as many work as `keys` has room for, [`cell_pixels`] each.
-    pub fn measure_by(
+    pub fn measure_by<P: Sample>(
         &mut self,
         crew: &impl Crew,
-        pixels: &[f32],
+        frame: &Raster<'_, P>,
         seen: impl Fn(usize) -> Seen + Sync,
         values: &Values,
         keys: Keys<'_>,
@@ -127,7 +128,7 @@ impl<'m> Mesh<'m> {
             let mut told = Told::default();
             for (column, cell) in cells.iter_mut().enumerate() {
                 let sides = sides(size, grid, row * grid.width.get() + column);
-                let count = keys_of_sky(pixels, size.0, sides, &seen, keys);
+                let count = keys_of_sky(frame, sides, &seen, keys);
                 if told.hears(column, &count) {
                     *cell = clipped(keys.sort(count.sky), values);
                 }
@@ -151,12 +152,12 @@ impl<'m> Mesh<'m> {
         self.settle(&told)
     }
 
-    /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
+    /// The same where `frame` is a part of the mesh's, which all its parts measure
     /// together; `seen` goes by the part's indices. `None` while others have yet to answer.
-    pub(crate) fn asked(
+    pub(crate) fn asked<P: Sample>(
         &mut self,
         (whole, round): (&dyn Whole, u32),
-        (pixels, width): (&[f32], usize),
+        frame: &Raster<'_, P>,
         seen: impl Fn(usize) -> Seen,
         values: &Values,
         mut keys: Keys<'_>,
@@ -165,7 +166,7 @@ impl<'m> Mesh<'m> {
         let columns = NonZero::new(size.0)?;
         let local = |at: usize| {
             let (x, y) = ((at % columns).checked_sub(part.origin.0)?, (at / columns).checked_sub(part.origin.1)?);
-            (x < width).then_some(y * width + x)
+            (x < frame.width).then_some(y * frame.width + x)
         };
         let places = |index: usize| cell_of(size, grid, index).filter_map(local);
         let is_own = |index: &usize| {
@@ -176,7 +177,7 @@ impl<'m> Mesh<'m> {
         let words = |index: usize| {
             let mut count = Count::default();
             let of_sky = places(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
-            let sorted = keys.sorted(of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0)));
+            let sorted = keys.sorted(of_sky.filter_map(|at| frame.value(at).map(|pixel| pixel + 0.0)));
             let (Sky { level, noise }, Count { all, defined, sky }) = (clipped(sorted, values), count);
             [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
         };
@@ -305,21 +306,19 @@ fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4
 }
 
 /// Lays the keys of the sky's pixels between the sides of a cell where they are sorted.
-fn keys_of_sky(
-    pixels: &[f32],
-    width: usize,
+fn keys_of_sky<P: Sample>(
+    frame: &Raster<'_, P>,
     [left, right, bottom, top]: [usize; 4],
     seen: &impl Fn(usize) -> Seen,
     keys: &mut Keys<'_>,
 ) -> Count {
     let mut count = Count { all: (right - left) * (top - bottom), ..Count::default() };
-    for first in (bottom..top).map(|y| y * width + left) {
-        let row = pixels.get(first..first + (right - left)).unwrap_or(&[]);
-        for (at, &pixel) in (first..).zip(row) {
+    for y in bottom..top {
+        for (at, pixel) in (y * frame.width + left..).zip(frame.part(y, left..right)) {
             let seen = seen(at);
             if let Some(free) = keys.0.get_mut(count.sky) {
                 // Adding 0 gives both zeros one key.
-                *free = (pixel + 0.0).key();
+                *free = (pixel.value() + 0.0).key();
             }
             count.defined += usize::from(seen != Seen::Undefined);
             count.sky += usize::from(seen == Seen::Sky);

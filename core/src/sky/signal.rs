@@ -5,6 +5,7 @@ use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
 use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{self, Question, Whole};
+use crate::plane::raster::{Sample, mixed};
 use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
@@ -41,17 +42,27 @@ pub struct Planes<'m, L: Level> {
     pub mesh: &'m mut [Sky],
 }
 
+/// What was seen of a frame when its sky was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Measured {
+    /// How the sky was measured.
+    pub survey: Survey,
+    /// Whether there is noise to divide by.
+    pub has_noise: bool,
+    /// As in [`Values`](crate::sky::Values).
+    pub checksum: u32,
+}
+
 /// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
-/// pixel has the mean of the two between which it lies, or none. Tells how the sky was measured; `None`
-/// where there is no noise to divide by. `round` counts how often it has been measured.
-pub fn measure<L: Level>(
-    view: &View<'_>,
+/// pixel has the mean of the two between which it lies, or none. `round` counts how often it has been measured.
+pub fn measure<L: Level, P: Sample>(
+    view: &View<'_, P>,
     cell: usize,
     round: u32,
     work: &mut Planes<'_, L>,
     crew: &impl Crew,
-) -> Option<Survey> {
-    let &View { pixels, grid, known, values } = view;
+) -> Measured {
+    let &View { frame, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
     let masked = Mask(work.masked.0);
@@ -63,11 +74,11 @@ pub fn measure<L: Level>(
     };
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
     let survey = match known.whole {
-        None => mesh.measure_by(crew, pixels, seen, &values, keys.again()),
+        None => mesh.measure_by(crew, &frame, seen, &values, keys.again()),
         // Nothing can be done before it is known.
-        Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
+        Some(whole) => match mesh.asked((whole, round), &frame, seen, &values, keys.again()) {
             Some(survey) => survey,
-            None => return Some(Survey::default()),
+            None => return Measured { has_noise: true, ..Measured::default() },
         },
     };
     let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
@@ -75,16 +86,17 @@ pub fn measure<L: Level>(
     let mut factor = 1.0;
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
+        factor =
+            typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, frame.count(), width, keys);
     }
     // A part may have no pixel, where the image has.
-    let noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
-    let (rows, mut seen_in) = (crew.rows(grid).max(1), [noise_seen; MOST_BANDS]);
+    let has_noise = known.whole.is_some() && !sky_at(0).level.is_nan();
+    let (rows, mut seen_in) = (crew.rows(grid).max(1), [Read { has_noise, checksum: 0 }; MOST_BANDS]);
     let band = (width * rows).max(1);
     let bands = (0..).step_by(rows).zip(work.fine.chunks_mut(band)).zip(&mut seen_in);
-    crew.each(bands, |((first, band), noise_seen)| {
+    crew.each(bands, |((first, band), read)| {
         for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
-            *noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
+            signal_row(view, y, (&mesh, (left, bottom)), factor, out, read);
         }
     });
     bridge(view, work.fine);
@@ -95,31 +107,45 @@ pub fn measure<L: Level>(
             clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
         }
     });
-    seen_in.contains(&true).then_some(survey)
+    let checksum = seen_in.iter().fold(0u32, |sum, read| sum.wrapping_add(read.checksum));
+    Measured { survey, has_noise: seen_in.iter().any(|read| read.has_noise), checksum }
+}
+
+/// What was seen of some rows.
+#[derive(Clone, Copy, Default)]
+struct Read {
+    has_noise: bool,
+    checksum: u32,
 }
 
 /// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
-pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn Whole, work: &mut Planes<'_, L>) {
-    let pixels = (view.pixels, view.grid.width.get());
+pub fn remember<L: Level, P: Sample>(
+    view: &View<'_, P>,
+    cell: usize,
+    round: u32,
+    whole: &dyn Whole,
+    work: &mut Planes<'_, L>,
+) {
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
-    mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, work.keys.again());
+    mesh.asked((whole, round), &view.frame, |_| Seen::Undefined, &view.values, work.keys.again());
 }
 
 /// Pixels of a row whose sky is looked up together.
 const PIECE: usize = 256;
 
-/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. The mesh is read from a
+/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise. The mesh is read from a
 /// column and row of its frame on; noise that is given counts `factor` times.
-fn signal_row<L: Level>(
-    view: &View<'_>,
+fn signal_row<L: Level, P: Sample>(
+    view: &View<'_, P>,
     y: usize,
     (mesh, (left, bottom)): (&Mesh<'_>, (usize, usize)),
     factor: f32,
     out: &mut [L],
-) -> bool {
-    let &View { pixels, grid, values, .. } = view;
+    read: &mut Read,
+) {
+    let &View { frame, grid, values, .. } = view;
     let (width, mut noise_seen) = (grid.width.get(), false);
-    let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
+    let pieces = frame.row(y).chunks(PIECE).zip(out.chunks_mut(PIECE));
     for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
         let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
         let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
@@ -132,14 +158,18 @@ fn signal_row<L: Level>(
             let noise = noise.iter_mut().zip(from(map, width, x, y));
             noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
         }
-        for (((out, &pixel), &level), &noise) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise) {
+        for ((((out, pixel), &level), &noise), x) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise).zip(x..) {
+            let pixel = pixel.value();
+            if P::CHANGES {
+                read.checksum = read.checksum.wrapping_add(mixed((y * width + x) as u32, pixel));
+            }
             let signal = (pixel - level) / noise;
             let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
             noise_seen |= usable;
             *out = L::of(if usable { signal } else { 0.0 });
         }
     }
-    noise_seen
+    read.has_noise |= noise_seen;
 }
 
 /// Row `y` of a map from column `x` on.
@@ -148,7 +178,7 @@ fn from(map: &[f32], width: usize, x: usize, y: usize) -> &[f32] {
 }
 
 /// Gives undefined pixels between two defined ones their mean.
-fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
+fn bridge<L: Level, P: Sample>(view: &View<'_, P>, signal: &mut [L]) {
     if view.is_whole() {
         return;
     }
@@ -178,7 +208,12 @@ fn typical(
 }
 
 /// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
+pub fn smooth<L: Level, P: Sample>(
+    view: &View<'_, P>,
+    round: u32,
+    work: &mut Planes<'_, L>,
+    crew: &impl Crew,
+) -> Tail<L> {
     let grid = view.grid;
     Weights::gauss(FINE).apply(work.signal, work.rows, work.fine, grid, crew);
     let (fine, masked) = (&*work.fine, Mask(work.masked.0));
@@ -198,7 +233,13 @@ pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, c
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>, crew: &impl Crew) {
+pub fn mask_sources<L: Level, P: Sample>(
+    view: &View<'_, P>,
+    outline: L,
+    peak: L,
+    work: &mut Planes<'_, L>,
+    crew: &impl Crew,
+) {
     let grid = view.grid;
     let (source, perhaps) = (L::ONE, perhaps());
     for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
@@ -251,16 +292,17 @@ fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) {
 }
 
 /// Masks the pixels without a signal: they would count as quiet sky.
-pub fn mask_undefined(view: &View<'_>, masked: &mut MaskMut<'_>) {
+pub fn mask_undefined<P: Sample>(view: &View<'_, P>, masked: &mut MaskMut<'_>) {
     if view.is_whole() {
         return;
     }
-    (0..view.pixels.len()).filter(|&at| !view.has_signal(at)).for_each(|at| masked.set(at));
+    (0..view.frame.count()).filter(|&at| !view.has_signal(at)).for_each(|at| masked.set(at));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::raster::Raster;
 
     extern crate std;
 
@@ -277,7 +319,7 @@ mod tests {
     fn undefined_pixels_between_defined_ones_have_their_mean() {
         let grid = Grid::of(20, 5).unwrap();
         let (mut keys, mut spare) = ([0; 20], [0; 20]);
-        let view = View::of(&PIXELS, grid, Known::default(), Keys(&mut keys, &mut spare));
+        let view = View::of(Raster::of(&PIXELS, 5), grid, Known::default(), Keys(&mut keys, &mut spare));
         let mut signal = PIXELS.map(|pixel| if pixel.is_nan() { 0.0 } else { pixel });
         bridge(&view, &mut signal);
         #[rustfmt::skip]

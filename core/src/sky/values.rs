@@ -5,6 +5,7 @@
 
 use crate::arithmetic::{Level, Real};
 use crate::plane::part::{self, Question, Whole};
+use crate::plane::raster::{Raster, Sample, mixed};
 use crate::plane::sort::{Keys, median, ranked};
 
 /// A fill value has more than one in so many of the pixels.
@@ -50,6 +51,9 @@ pub struct Values {
     pub resolution: f32,
     /// The commonest of the defined values.
     pub commonest: f32,
+    /// A checksum over the values of all pixels by their places, where they can change while they are read
+    /// ([`Sample::CHANGES`]); else 0.
+    pub checksum: u32,
 }
 
 impl Values {
@@ -64,32 +68,35 @@ impl Values {
         greatest: 0.0,
         resolution: 0.0,
         commonest: 0.0,
+        checksum: 0,
     };
 
     /// Looks at the pixels of a frame, row-major in rows of `width`, that are finite and `allowed`.
     /// Steps, fill and pile are read from a sample of at most [`crate::plane::sort::SAMPLES`]. Cost: two
     /// looks at each pixel and one sort of the sample.
     pub fn measure(pixels: &[f32], width: usize, allowed: impl Fn(usize) -> bool, keys: Keys<'_>) -> Values {
-        Values::asked(None, pixels, width, allowed, keys).unwrap_or(Values::UNKNOWN)
+        Values::asked(None, &Raster::of(pixels, width), allowed, keys).unwrap_or(Values::UNKNOWN)
     }
 
     /// The same of all parts of an image, where the pixels are one of them; `None` while others have yet to answer.
-    pub(crate) fn asked(
+    pub(crate) fn asked<P: Sample>(
         whole: Option<&dyn Whole>,
-        pixels: &[f32],
-        width: usize,
+        frame: &Raster<'_, P>,
         allowed: impl Fn(usize) -> bool,
         mut keys: Keys<'_>,
     ) -> Option<Values> {
-        let observed = |&at: &usize| allowed(at) && pixels.get(at).is_some_and(|pixel| pixel.is_finite());
+        let (count, width) = (frame.count(), frame.width);
         // One key for both zeros.
-        let value = |at: usize| pixels.get(at).copied().unwrap_or(0.0) + 0.0;
+        let observed = |at: usize| {
+            let value = if allowed(at) { frame.value(at) } else { None };
+            value.filter(|value| value.is_finite()).map(|value| value + 0.0)
+        };
         let asked = whole.map(|whole| (whole, Question::Values));
-        let sampled = (pixels.len(), width, true);
-        let sorted = part::sorted(asked, sampled, &mut keys, |at| observed(&at).then(|| value(at)))?;
+        let sampled = (count, width, true);
+        let sorted = part::sorted(asked, sampled, &mut keys, observed)?;
         let mut fill = f32::NAN;
         if let Some(candidate) = fill_value(sorted) {
-            let pairs = Pairs::asked(whole, pixels.len(), width, |at| observed(&at) && value(at) == candidate)?;
+            let pairs = Pairs::asked(whole, count, width, |at| observed(at) == Some(candidate))?;
             if pairs.are_together(sorted.len(), occurrences(sorted, candidate)) {
                 fill = candidate;
             }
@@ -104,7 +111,7 @@ impl Values {
             values.greatest = most.value;
             values.saturated = count >= SATURATED_FROM && most.count * PILE_SHARE > count;
         }
-        values.span(whole, pixels, width, |at| observed(&at))?;
+        values.span(whole, frame, allowed)?;
         Some(values)
     }
 
@@ -116,22 +123,25 @@ impl Values {
 
     /// Counts the pixels, and takes the range that neighbours in a row reach together: one hot
     /// pixel does not widen it.
-    fn span(
+    fn span<P: Sample>(
         &mut self,
         whole: Option<&dyn Whole>,
-        pixels: &[f32],
-        width: usize,
-        observed: impl Fn(usize) -> bool,
+        frame: &Raster<'_, P>,
+        allowed: impl Fn(usize) -> bool,
     ) -> Option<()> {
-        let part = whole.map(Whole::part);
-        let all = (0..width, 0..pixels.len().div_ceil(width.max(1)));
+        let (part, width) = (whole.map(Whole::part), frame.width);
+        let all = (0..width, 0..frame.height);
         let (columns, rows) = part.map_or(all, |part| (part.columns, part.rows));
         let (mut least, mut greatest) = (f32::MAX, f32::MIN);
-        for (y, row) in pixels.chunks(width.max(1)).enumerate().take(rows.end).skip(rows.start) {
+        for y in rows {
             // A part sees the pixel that its neighbour has on the left.
-            let mut before = None;
-            for (x, &pixel) in row.iter().enumerate().take(columns.end).skip(columns.start.saturating_sub(1)) {
-                let seen = observed(y * width + x);
+            let (row, mut before) = (frame.row(y), None);
+            for (x, pixel) in row.iter().enumerate().take(columns.end).skip(columns.start.saturating_sub(1)) {
+                let pixel = pixel.value();
+                if P::CHANGES {
+                    self.checksum = self.checksum.wrapping_add(mixed((y * width + x) as u32, pixel));
+                }
+                let seen = pixel.is_finite() && allowed(y * width + x);
                 let defined = seen && self.holds(pixel);
                 if x >= columns.start {
                     self.defined += u32::from(defined);

@@ -6,6 +6,7 @@ use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
+use crate::plane::raster::Sample;
 use crate::plane::rows::{next_with, used};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
@@ -79,7 +80,12 @@ pub struct Kept {
 
 /// Measures every region, and finds the cut on the peak in the matched image. Means nothing while other parts of the
 /// image have yet to answer.
-pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut {
+pub fn cut<L: Level, P: Sample>(
+    view: &View<'_, P>,
+    config: &Config,
+    work: &mut Planes<'_, L>,
+    crew: &impl Crew,
+) -> Cut {
     let grid = view.grid;
     Weights::gauss(MATCHED).apply(work.signal, work.rows, work.matched, grid, crew);
     let narrow_noise = measure_narrow(view, work, crew);
@@ -117,7 +123,7 @@ pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>,
 }
 
 /// The peak of every region in the narrow image, and the noise of that, from the matched image before it is sharpened.
-fn measure_narrow<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> f32 {
+fn measure_narrow<L: Level, P: Sample>(view: &View<'_, P>, work: &mut Planes<'_, L>, crew: &impl Crew) -> f32 {
     let grid = view.grid;
     work.narrow.iter_mut().zip(work.matched.iter()).for_each(|(narrow, matched)| *narrow = *matched);
     Weights::gauss(NARROW_WIDE).sharpen(work.narrow, work.rows, grid, NARROW_SHARPENING, crew);

@@ -17,3 +17,5 @@ pub mod smooth;
 pub mod sort;
 pub mod sweep;
 pub mod tiles;
+#[deny(clippy::arithmetic_side_effects)]
+pub(crate) mod walk;

@@ -12,6 +12,8 @@
 //! single precision has no more to do than what there is once a frame or region: the cut, the
 //! photon noise, the centres of wide regions.
 
+mod state;
+
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Filter, Select};
 use crate::error::Error;
@@ -22,19 +24,17 @@ use crate::plane::grid::Grid;
 use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{Question, Whole};
 use crate::plane::raster::{Raster, Sample};
+use crate::plane::rows::rows_of_mut;
 use crate::plane::sort::Keys;
+use crate::plane::walk::Walk;
 use crate::run::plan::{Plan, ROUNDS};
 use crate::run::stage::Stage;
 use crate::run::workspace::Workspace;
 use crate::sky::view::{Known, View};
 use crate::sky::{LEAST_PIXELS, Sky, Survey, Values, photon, signal};
-use crate::sources::selection::{self, Cut, Kept};
+use crate::sources::selection;
 use crate::sources::separate;
-use crate::sources::tree::{Count, Noise};
-
-/// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
-/// for without them the sky would be biased low.
-const MASKED_PEAK: f32 = 3.5;
+use state::State;
 
 /// What a run found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,15 +77,7 @@ pub struct Extractor<'a, 'm, L: Level, P = f32> {
     grid: Grid,
     view: View<'a, P>,
     work: Workspace<'m, L>,
-    /// Steps of the plan that are done.
-    done: usize,
-    masked_from: L,
-    noise: Noise<L>,
-    count: Count,
-    cut: Cut,
-    kept: Kept,
-    survey: Survey,
-    unreached: u32,
+    state: State<L>,
     /// What ended the run before its end.
     ended: Option<Error>,
 }
@@ -144,14 +136,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             grid,
             view: View { frame, grid, known, values: Values::UNKNOWN },
             work,
-            done: 0,
-            masked_from: L::ZERO,
-            noise: Noise { least: L::ONE, photon: 0.0 },
-            count: Count::default(),
-            cut: Cut::NONE,
-            kept: Kept::default(),
-            survey: Survey::default(),
-            unreached: 0,
+            state: State::NEW,
             ended: None,
         })
     }
@@ -166,70 +151,86 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     }
 
     fn next(&self) -> Option<Stage> {
-        Plan::of(&self.config).steps().nth(self.done).map(|step| step.stage)
+        Plan::of(&self.config).steps().nth(self.state.done).map(|step| step.stage)
     }
 
-    /// Does the next step; where a front is awaited, or nothing is left to do, nothing. After an error the run
-    /// cannot go on, and every poll reports the same.
+    /// Does at most `rows` rows (at least one) of the step under way; where a front is awaited, or nothing is left to do,
+    /// nothing. A row is as many pixels of a pass, keys of a sort or regions of the table as the frame has columns; where
+    /// that is more, a cell of the mesh, and once each what the sample of the values tells.
+    ///
+    /// The same bits come out whatever the parts. A frame that is a part of an image is worked on in whole steps. After an
+    /// error the run cannot go on, and every poll reports the same.
     ///
     /// # Errors
     /// [`Error::NothingDefined`], [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
-    /// of its sky or of its noise; [`Error::FrameChanged`] where others have written to it; [`Error::Waiting`] where other parts of an image have yet to answer.
-    pub fn poll(&mut self) -> Result<Progress, Error> {
-        self.poll_by(&Alone)
+    /// of its sky or of its noise; [`Error::FrameChanged`] where others have written to it; [`Error::Waiting`] where
+    /// other parts of an image have yet to answer.
+    pub fn poll(&mut self, rows: usize) -> Result<Progress, Error> {
+        self.go_on(rows.saturating_mul(self.grid.width.get()), &Alone)
     }
 
-    /// The same by a crew, which has no part in the result.
+    /// Does all that is left of the step under way by a crew, which has no part in the result.
     ///
     /// # Errors
     /// As [`Extractor::poll`].
     pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
+        self.go_on(usize::MAX, crew)
+    }
+
+    fn go_on(&mut self, cells: usize, crew: &impl Crew) -> Result<Progress, Error> {
         if let Some(ended) = self.ended {
             return Err(ended);
         }
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
-            self.whole_step(stage, crew).map_err(|error| *self.ended.insert(error))?;
-            self.done += 1;
+            let whole = self.view.known.whole;
+            self.state.walk.resume(if whole.is_some() { usize::MAX } else { cells });
+            let is_done = match self.step(stage, crew) {
+                Ok(_) if whole.is_some_and(Whole::is_waiting) => Err(Error::Waiting),
+                result => result,
+            };
+            if is_done.map_err(|error| *self.ended.insert(error))?.is_some() {
+                self.end_step(stage);
+            }
         }
         Ok(self.progress())
     }
 
-    fn whole_step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
-        self.step(stage, crew)?;
-        if self.view.known.whole.is_some_and(Whole::is_waiting) { Err(Error::Waiting) } else { Ok(()) }
+    fn end_step(&mut self, stage: Stage) {
+        if let Stage::Tree | Stage::Components = stage {
+            self.state.dividing.opening.count = self.state.growing.count;
+        }
+        self.state.walk.end();
+        self.state.done += 1;
     }
 
-    fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
+    /// Goes on with a step; nothing where there is more to do.
+    fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<Option<()>, Error> {
         let (round, known) = (self.round(), self.view.known.whole);
         if let Some(whole) = known.filter(|whole| round < first_round(*whole)) {
             return self.pass_over(stage, round, whole);
         }
-        let Extractor { config, grid, view, work, .. } = self;
+        let Extractor { config, grid, view, work, state, .. } = self;
+        let (noise, masked_from, count) = (state.noise(), state.masked_from(), state.count());
+        let State { walk, measured, smoothing, curve, growing, dividing, .. } = state;
         let (grid, is_whole) = (*grid, view.is_whole());
         let inside = |at: usize| is_whole || view.has_signal(at);
-        match stage {
+        Ok(match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let measured = signal::measure(view, config.sky.cell(), round, &mut work.sky(), crew);
-                self.survey = measured.survey;
-                if measured.checksum != self.view.values.checksum {
-                    return Err(Error::FrameChanged);
+                let cell = config.sky.cell();
+                if signal::measure((walk, crew), measured, view, cell, round, &mut work.sky()).is_none() {
+                    return Ok(None);
                 }
-                if !measured.has_noise {
-                    return Err(self.no_noise());
-                }
+                return self.check_measured();
             }
-            Stage::Smooth => {
-                let tail = signal::smooth(view, round, &mut work.sky(), crew);
-                (self.noise.least, self.masked_from) = (tail.noise, tail.height(MASKED_PEAK));
-            }
+            Stage::Smooth => signal::smooth((walk, crew), smoothing, view, round, &mut work.sky()),
             Stage::Mask => {
-                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky(), crew);
+                let outline = L::of(config.outline.threshold);
+                signal::mask_sources((walk, crew), view, outline, masked_from, &mut work.sky())
             }
             Stage::Photon => {
-                let field = Field { values: &*work.signal, grid };
-                self.noise.photon =
-                    photon::slope(known, field, work.fine, Mask(work.masked), Keys(work.parents, work.order));
+                let (field, keys) = (Field { values: &*work.signal, grid }, Keys(work.parents, work.order));
+                photon::step(walk, (known, curve), field, work.fine, Mask(work.masked), keys)
             }
             Stage::Outline => {
                 let front = Front {
@@ -238,82 +239,124 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
                     steps: config.outline.steps,
                 };
                 let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
-                front.outline([work.fine, start], work.labels, work.rows, grid, crew);
+                front.outline_in((walk, crew), [work.fine, start], work.labels, work.rows, grid)
             }
             Stage::Tree => {
-                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
+                separate::tree((walk, crew), growing, grid, inside, (config, noise.photon), &mut work.separation())
             }
             Stage::Deblend => {
-                self.count = separate::deblend(known, grid, config, self.noise, self.count, &mut work.separation());
-                drop_undefined(view, work.labels);
+                let divided = separate::deblend(walk, dividing, known, grid, config, noise, &mut work.separation());
+                divided.and_then(|()| drop_undefined(walk, view, work.labels))
             }
             Stage::Components => {
-                self.count = separate::components(grid, inside, config.connectivity, &mut work.separation());
-                drop_undefined(view, work.labels);
+                let connectivity = config.connectivity;
+                let found = separate::components(walk, growing, grid, inside, connectivity, &mut work.separation());
+                found.and_then(|()| drop_undefined(walk, view, work.labels))
             }
             Stage::Select => {
-                let mut planes = work.selection(self.count.regions);
-                self.cut = match config.select {
-                    Select::Area => {
-                        selection::measure(&mut planes);
-                        Cut::NONE
-                    }
-                    Select::Significance => selection::cut(view, config, &mut planes, crew),
-                };
-                self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
-                // Which pixels are undefined the frame has told up to here.
-                if P::CHANGES && !view.is_whole() && view.frame.checksum() != view.values.checksum {
-                    return Err(Error::FrameChanged);
+                if self.select(count.regions, crew).is_none() {
+                    return Ok(None);
                 }
+                return self.check_frame();
             }
-            _ => {}
+            _ => Some(()),
+        })
+    }
+
+    /// What the sky and the frame were like when they were measured.
+    fn check_measured(&mut self) -> Result<Option<()>, Error> {
+        let read = self.state.measured.read;
+        if read.checksum != self.view.values.checksum {
+            return Err(Error::FrameChanged);
         }
-        Ok(())
+        if read.has_noise { Ok(Some(())) } else { self.no_noise() }
+    }
+
+    /// Measures the regions, and keeps those that are sources.
+    fn select(&mut self, regions: usize, crew: &impl Crew) -> Option<()> {
+        let Extractor { config, view, work, state, .. } = self;
+        let State { walk, cutting, kept, .. } = state;
+        let mut planes = work.selection(regions);
+        match config.select {
+            Select::Area => selection::measure(walk, &mut planes)?,
+            Select::Significance => selection::cut((walk, crew), cutting, view, config, &mut planes)?,
+        }
+        selection::keep(walk, kept, (config, cutting.cut), planes.labels, planes.regions)
+    }
+
+    /// Whether the frame is still what it was, where it has told up to here which pixels are undefined.
+    fn check_frame(&mut self) -> Result<Option<()>, Error> {
+        let Extractor { grid, view, state, .. } = self;
+        if !P::CHANGES || view.is_whole() {
+            return Ok(Some(()));
+        }
+        let (walk, read) = (&mut state.walk, &mut state.measured.read);
+        let sum = walk.pass(grid.height, grid.width.get(), |part| {
+            let before = if part.start == 0 { 0 } else { read.checksum };
+            read.checksum = before.wrapping_add(view.frame.checksum(part));
+        });
+        if sum.is_some() && read.checksum != view.values.checksum {
+            return Err(Error::FrameChanged);
+        }
+        Ok(sum)
     }
 
     /// How often the sky has been measured.
     fn round(&self) -> u32 {
-        let done = Plan::of(&self.config).steps().take(self.done);
+        let done = Plan::of(&self.config).steps().take(self.state.done);
         done.filter(|step| step.stage == Stage::Mask).count() as u32
     }
 
     /// Passes over a step of a round of which the answers of all parts of the image are enough.
-    fn pass_over(&mut self, stage: Stage, round: u32, whole: &dyn Whole) -> Result<(), Error> {
+    fn pass_over(&mut self, stage: Stage, round: u32, whole: &dyn Whole) -> Result<Option<()>, Error> {
         match stage {
             Stage::Values => self.look(),
             Stage::Background => {
                 signal::remember(&self.view, self.config.sky.cell(), round, whole, &mut self.work.sky());
-                Ok(())
+                Ok(Some(()))
             }
-            _ => Ok(()),
+            _ => Ok(Some(())),
         }
     }
 
     /// What the values of the frame are.
-    fn look(&mut self) -> Result<(), Error> {
-        let Extractor { grid, work, view, .. } = self;
-        *view = View::of(view.frame, *grid, view.known, Keys(work.parents, work.order));
+    fn look(&mut self) -> Result<Option<()>, Error> {
+        let Extractor { grid, work, view, state, .. } = self;
+        let State { walk, look, .. } = state;
+        if view.look(walk, look, Keys(work.parents, work.order)).is_none() {
+            return Ok(None);
+        }
         if view.known.whole.is_some_and(Whole::is_waiting) {
-            return Ok(());
+            return Ok(Some(()));
         }
         if view.values.defined == 0 {
             return Err(Error::NothingDefined { pixels: grid.cells() });
         }
-        work.masked.fill(0);
-        signal::mask_undefined(view, &mut MaskMut(work.masked));
-        work.mesh.fill(Sky::UNKNOWN);
-        Ok(())
+        let cleared = walk
+            .pass(work.masked.len(), 1, |part| work.masked.get_mut(part).unwrap_or(&mut []).fill(0))
+            .and_then(|()| signal::mask_undefined(walk, view, &mut MaskMut(work.masked)))
+            .and_then(|()| {
+                walk.pass(work.mesh.len(), 1, |part| work.mesh.get_mut(part).unwrap_or(&mut []).fill(Sky::UNKNOWN))
+            });
+        Ok(cleared)
     }
 
     /// Why there is nothing to divide the signal by.
-    fn no_noise(&self) -> Error {
-        let (view, Values { defined, commonest, .. }) = (&self.view, self.view.values);
-        if self.work.mesh.first().is_none_or(|sky| sky.level.is_nan()) {
-            return Error::NoSky { defined, needed: LEAST_PIXELS };
+    fn no_noise(&mut self) -> Result<Option<()>, Error> {
+        let Extractor { view, work, grid, state, .. } = self;
+        let (walk, Values { defined, commonest, .. }) = (&mut state.walk, view.values);
+        if work.mesh.first().is_none_or(|sky| sky.level.is_nan()) {
+            return Err(Error::NoSky { defined, needed: LEAST_PIXELS });
         }
         let is_equal = |&at: &usize| view.frame.value(at) == Some(commonest) && view.is_defined(at);
-        let equal = (0..self.grid.cells()).filter(is_equal).count();
-        Error::NoNoise { value: commonest, equal: equal as u32, defined }
+        let counted = walk.tally(grid.cells(), 1, |tally, part| {
+            let before = if part.start == 0 { 0 } else { tally.count };
+            tally.count = before + part.filter(is_equal).count();
+        });
+        match counted {
+            Some(()) => Err(Error::NoNoise { value: commonest, equal: walk.tally.count as u32, defined }),
+            None => Ok(None),
+        }
     }
 
     /// The image over which a front is to move: signal-to-noise, W x H, smoothed as the filter says.
@@ -346,25 +389,27 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
                 within(x, width.get()) && within(y, height)
             };
             let unreached = inside && margin.is_some_and(far);
-            self.unreached += u32::from(unreached);
+            self.state.unreached += u32::from(unreached);
             *front = if inside && !unreached { L::ONE } else { -L::ONE }.bits();
         }
         while self.next().is_some_and(Stage::is_of_front) {
-            self.done += 1;
+            self.state.done += 1;
         }
     }
 
     fn found(&self) -> Found {
+        let State { kept, unreached, measured, cutting, curve, .. } = &self.state;
+        let count = self.state.count();
         Found {
-            sources: self.kept.sources,
-            mask_pixels: self.kept.pixels,
-            unlabelled: self.count.left_out,
-            regions: self.count.regions,
-            unreached: self.unreached,
-            significance: self.cut.significance,
-            photon: self.noise.photon,
+            sources: kept.sources,
+            mask_pixels: kept.pixels,
+            unlabelled: count.left_out,
+            regions: count.regions,
+            unreached: *unreached,
+            significance: cutting.cut.significance,
+            photon: curve.slope(),
             values: self.view.values,
-            survey: self.survey,
+            survey: measured.survey,
         }
     }
 }
@@ -394,13 +439,12 @@ fn moved_elsewhere(config: &Config) -> Error {
 }
 
 /// An undefined pixel between two of a source carries its light across, but is in no source.
-fn drop_undefined<P: Sample>(view: &View<'_, P>, labels: &mut [u32]) {
-    if view.is_whole() {
-        return;
-    }
-    for (_, label) in labels.iter_mut().enumerate().filter(|(at, _)| !view.is_defined(*at)) {
-        *label = 0;
-    }
+fn drop_undefined<P: Sample>(walk: &mut Walk, view: &View<'_, P>, labels: &mut [u32]) -> Option<()> {
+    let (rows, width) = (if view.is_whole() { 0 } else { view.grid.height }, view.grid.width.get());
+    walk.pass(rows, width, |rows| {
+        let labels = (rows.start * width..).zip(rows_of_mut(labels, &rows, width));
+        labels.filter(|(at, _)| !view.is_defined(*at)).for_each(|(_, label)| *label = 0);
+    })
 }
 
 /// A whole run with the front of [`Scheme::Region`](crate::config::Scheme::Region) into `work.labels`.
@@ -416,7 +460,7 @@ pub fn extract<L: Level>(
 ) -> Result<Found, Error> {
     let mut run = Extractor::new(config, pixels, width, known, work)?;
     loop {
-        match run.poll()? {
+        match run.poll(usize::MAX)? {
             Progress::Next(_) => {}
             Progress::Done(found) => return Ok(found),
             Progress::Front => return Err(moved_elsewhere(config)),
@@ -502,12 +546,74 @@ mod tests {
         let mut room = Room::<L>::new();
         let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, room.work()).expect("room enough");
         let found = loop {
-            if let Progress::Done(found) = run.poll().expect("a sky with noise") {
+            if let Progress::Done(found) = run.poll(usize::MAX).expect("a sky with noise") {
                 break found;
             }
         };
         let [_, _, labels] = room.words;
         Result { sources: found.sources, found: told(found), labels }
+    }
+
+    /// All that a run leaves, as words, in parts of so many rows; and the number of parts.
+    fn left<L: Level>(
+        config: &Config,
+        pixels: &[f32],
+        known: Known<'_>,
+        rows: usize,
+    ) -> (std::string::String, Vec<u32>, usize) {
+        let mut room = Room::<L>::new();
+        let mut run = Extractor::new(config, pixels, WIDTH, known, room.work()).expect("room enough");
+        let mut polls = 0;
+        let end = loop {
+            polls += 1;
+            match run.poll(rows) {
+                Ok(Progress::Done(found)) => break told(found),
+                Ok(_) => {}
+                Err(error) => break std::format!("{error}"),
+            }
+        };
+        let bits = |levels: &Vec<L>| levels.iter().map(|level| level.bits()).collect::<Vec<u32>>();
+        let sky = |sky: &Sky| [sky.level.to_bits(), sky.noise.to_bits()];
+        let regions =
+            room.regions.iter().flat_map(|region| [region.peak, region.area, region.label, region.value.bits()]);
+        let planes = room.levels.iter().flat_map(bits).chain(room.words.iter().flatten().copied());
+        let words = planes.chain(room.masked.iter().copied()).chain(room.mesh.iter().flat_map(sky)).chain(regions);
+        (end, words.collect(), polls)
+    }
+
+    #[track_caller]
+    fn parts_make_the_whole<L: Level>(config: &Config, pixels: &[f32], known: Known<'_>) {
+        let (end, words, steps) = left::<L>(config, pixels, known, usize::MAX);
+        for rows in [1, 2, 7, HEIGHT] {
+            let (found, parts, polls) = left::<L>(config, pixels, known, rows);
+            assert_eq!(found, end, "{}, parts of {rows} rows", L::NAME);
+            let differing = parts.iter().zip(&words).position(|(part, whole)| part != whole);
+            assert_eq!(differing, None, "{}, parts of {rows} rows: {end}", L::NAME);
+            assert!(polls > steps && (rows > 1 || polls > 4 * HEIGHT), "{polls} polls of {rows} rows");
+        }
+    }
+
+    #[test]
+    fn parts_of_any_size_give_the_same_bits() {
+        let default = Config::NOISE_AWARE;
+        let components = Config { separate: crate::config::Separate::Components, ..default };
+        let by_area = Config { select: Select::Area, filter: Filter::Gauss, ..default };
+        let mut pixels: Vec<f32> = counts(4000.0, WIDTH).iter().map(|&count| f32::from(count)).collect();
+        for config in [default, components, by_area] {
+            parts_make_the_whole::<f32>(&config, &pixels, Known::default());
+        }
+        parts_make_the_whole::<crate::arithmetic::Fixed14>(&default, &pixels, Known::default());
+        // Undefined pixels, and a map of weights.
+        let noise: Vec<f32> = (0..COUNT).map(|at| 1.0 + (at % 7) as f32).collect();
+        let known = Known { noise: Some(&noise), relative: true, bad: &BAD, ..Known::default() };
+        parts_make_the_whole::<f32>(&default, &pixels, known);
+        // Cut off below.
+        let cut: Vec<f32> = pixels.iter().map(|&pixel| (pixel - 400.0).positive()).collect();
+        parts_make_the_whole::<f32>(&default, &cut, Known::default());
+        // Filled on the left.
+        (0..COUNT).filter(|at| at % WIDTH < 9).for_each(|at| pixels[at] = 0.0);
+        parts_make_the_whole::<f32>(&default, &pixels, Known::default());
+        parts_make_the_whole::<f32>(&default, &[3.0; COUNT], Known::default());
     }
 
     fn counts_are_the_same_numbers<L: Level>() {
@@ -569,7 +675,7 @@ mod tests {
             let frame = Raster::of(&words, WIDTH);
             let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, room.work()).expect("room enough");
             for poll in 0.. {
-                match run.poll() {
+                match run.poll(usize::MAX) {
                     Ok(Progress::Done(found)) => {
                         assert_eq!(told(found), expected.found);
                         return false;
@@ -636,7 +742,7 @@ mod tests {
             let (mut room, pixels) = (Room::<f32>::new(), [pixel; COUNT]);
             let mut run = Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work())
                 .expect("room enough");
-            let errors = (0..9).filter_map(|_| run.poll().err());
+            let errors = (0..9).filter_map(|_| run.poll(usize::MAX).err());
             let errors: Vec<Error> = errors.collect();
             assert!(errors.len() > 5 && errors.iter().all(is_expected), "{errors:?}");
         }

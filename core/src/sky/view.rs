@@ -7,8 +7,10 @@ use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
 use crate::plane::raster::{BadPixel, Raster, Sample};
 use crate::plane::sort::Keys;
+use crate::plane::walk::Walk;
 use crate::sky::Values;
 use crate::sky::tail::Tail;
+use crate::sky::values::Look;
 
 /// What is known of the sky beforehand; what is not is measured on the image.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,9 +102,18 @@ impl<P> Copy for View<'_, P> {}
 impl<'a, P: Sample> View<'a, P> {
     /// Looks at a frame.
     pub fn of(frame: Raster<'a, P>, grid: Grid, known: Known<'a>, keys: Keys<'_>) -> View<'a, P> {
+        let (mut look, mut view) = (Look::NOTHING, View { frame, grid, known, values: Values::UNKNOWN });
+        let _ = view.look(&mut Walk::whole(), &mut look, keys);
+        view
+    }
+
+    /// The same in parts.
+    pub(crate) fn look(&mut self, walk: &mut Walk, look: &mut Look, keys: Keys<'_>) -> Option<()> {
+        let View { frame, grid, known, .. } = *self;
         let allowed = |at: usize| known.allows(at) && !known.is_bad(grid, at);
-        let values = Values::asked(known.whole, &frame, allowed, keys);
-        View { frame, grid, known, values: values.unwrap_or(Values::UNKNOWN) }
+        look.step(walk, known.whole, &frame, allowed, keys)?;
+        self.values = look.values;
+        Some(())
     }
 
     /// Columns and rows of the image that the frame is, or is a part of.
@@ -110,17 +121,18 @@ impl<'a, P: Sample> View<'a, P> {
         self.known.image((self.grid.width.get(), self.grid.height))
     }
 
-    /// The tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
+    /// Finds the tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
     /// have yet to answer.
     pub(crate) fn tail<L: Level>(
         &self,
-        questions: [Question; 2],
+        walk: &mut Walk,
+        (tail, questions): (&mut Tail<L>, [Question; 2]),
         value: impl Fn(usize) -> L,
         masked: Mask<'_>,
         keys: Keys<'_>,
-    ) -> Tail<L> {
+    ) -> Option<()> {
         let whole = self.known.whole.map(|whole| (whole, questions));
-        Tail::asked(whole, self.grid, value, masked, self.values.piled, keys).unwrap_or(Tail::UNKNOWN)
+        tail.step(walk, (whole, self.grid), value, (masked, self.values.piled), keys)
     }
 
     /// Whether a pixel is an observation that may be used.

@@ -9,6 +9,7 @@ use crate::config::{Config, Deblending};
 use crate::plane::field::{Ellipse, Field};
 use crate::plane::sort;
 use crate::sky::photon::grown;
+use core::ops::Range;
 
 /// A region of the tree, in the end a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,21 +139,23 @@ pub fn region_at(parents: &[u32], root: u32) -> usize {
     parents.get(root as usize).map_or(usize::MAX, |parent| (parent & !ROOT) as usize)
 }
 
-/// Grows the regions of `order`, the pixels in use, of each component from the brightest down. `ranks` has 1 + the
+/// Grows the regions of `order`, the pixels in use, of each component from the brightest down, by the pixels of some
+/// places there. `ranks` has 1 + the
 /// place there of each of these pixels and 0 elsewhere, `parents` is as long as `order`; `photon` is the
-/// photon noise. Gives the
-/// number of regions, and of peaks for which none was free: they stay out.
-pub fn grow<L: Level>(
+/// photon noise. Counts the
+/// regions, and peaks for which none was free: they stay out.
+pub(crate) fn grow<L: Level>(
+    counted: &mut Count,
     field: Field<'_, L>,
-    order: &[u32],
+    (order, part): (&[u32], Range<usize>),
     parents: &mut [u32],
     ranks: &[u32],
     regions: &mut [Region<L>],
     (config, photon): (&Config, f32),
-) -> Count {
-    let (mut count, mut left_out) = (0, 0);
+) {
+    let Count { regions: mut count, mut left_out } = *counted;
     let rank_of = |at: usize| ranks.get(at).and_then(|rank| rank.checked_sub(1));
-    for (rank, &pixel) in (0..).zip(order) {
+    for (rank, &pixel) in (0..).zip(order).take(part.end).skip(part.start) {
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
@@ -230,7 +233,7 @@ pub fn grow<L: Level>(
             region.sum = region.sum + value.times(1);
         }
     }
-    Count { regions: count, left_out }
+    *counted = Count { regions: count, left_out };
 }
 
 /// Whether a pixel that was met is in no region.

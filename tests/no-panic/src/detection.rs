@@ -38,7 +38,7 @@ fn room(width: usize, height: usize, cell: usize) -> [usize; 4] {
 }
 
 #[unsafe(export_name = "extractor")]
-fn with_a_front(run: &mut Extractor<'_, '_, f32>, inside: &[bool]) -> Result<Progress, Error> {
+fn with_a_front(run: &mut Extractor<'_, '_, f32>, inside: &[bool], rows: usize) -> Result<Progress, Error> {
     run.outline(|at| inside.get(at).copied().unwrap_or(false));
-    run.poll()
+    run.poll(rows)
 }

@@ -84,7 +84,7 @@ fn run<L: Level>(pixels: &[f32], work: Workspace<'_, L>) -> Result<(Found, [u32;
     let mut run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work)?;
     let mut planes = [0; 2];
     loop {
-        match run.poll()? {
+        match run.poll(usize::MAX)? {
             Progress::Next(Stage::Tree) => {
                 planes = [digest::of_cells(run.image()), words(run.work().labels.iter().copied())];
             }

@@ -5,6 +5,7 @@
 //! where nothing more may be done the function ends with `None`. What one pass leaves to another lies in planes,
 //! lists and named structs. Which passes there are may depend on nothing else.
 
+use crate::arithmetic::codec::Codec;
 use crate::plane::rows::next_with;
 use core::ops::Range;
 
@@ -46,6 +47,18 @@ impl Walk {
     pub const fn whole() -> Walk {
         let tally = Tally { count: 0, keys: (0, 0), places: [0; BYTES], sums: [0.0; 4] };
         Walk { at: 0, done: 0, next: 0, left: usize::MAX, tally }
+    }
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.word(&mut self.done)?;
+        codec.size(&mut self.next)?;
+        let Tally { count, keys, places, sums } = &mut self.tally;
+        codec.size(count)?;
+        codec.word(&mut keys.0)?;
+        codec.word(&mut keys.1)?;
+        codec.words(places)?;
+        sums.iter_mut().try_for_each(|sum| codec.double(sum))
     }
 
     /// The next part of the step, of so many cells.

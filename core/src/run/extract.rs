@@ -12,6 +12,7 @@
 //! single precision has no more to do than what there is once a frame or region: the cut, the
 //! photon noise, the centres of wide regions.
 
+pub mod snapshot;
 mod state;
 
 use crate::arithmetic::{Level, Real};
@@ -469,7 +470,7 @@ pub fn extract<L: Level>(
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::plane::mask::mask_words;
     use crate::plane::raster::{BadPixel, sealed::Sealed};
@@ -485,12 +486,12 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
-    const WIDTH: usize = 40;
-    const HEIGHT: usize = 30;
-    const COUNT: usize = WIDTH * HEIGHT;
+    pub(super) const WIDTH: usize = 40;
+    pub(super) const HEIGHT: usize = 30;
+    pub(super) const COUNT: usize = WIDTH * HEIGHT;
 
     /// The memory of a run over a frame of [`WIDTH`] x [`HEIGHT`].
-    struct Room<L: Level> {
+    pub(super) struct Room<L: Level> {
         levels: [Vec<L>; 3],
         words: [Vec<u32>; 3],
         masked: Vec<u32>,
@@ -501,17 +502,34 @@ mod tests {
 
     impl<L: Level> Room<L> {
         fn new() -> Self {
+            Room::full_of(0)
+        }
+
+        /// Full of something.
+        pub(super) fn full_of(pattern: u32) -> Self {
+            let level = L::from_bits(pattern.wrapping_mul(0x9E37_79B1));
             Room {
-                levels: [(); 3].map(|()| vec![L::ZERO; COUNT]),
-                words: [(); 3].map(|()| vec![0; COUNT]),
-                masked: vec![0; mask_words(COUNT)],
-                rows: vec![L::ZERO; ROOM_ROWS * WIDTH],
+                levels: [(); 3].map(|()| vec![level; COUNT]),
+                words: [(); 3].map(|()| vec![pattern; COUNT]),
+                masked: vec![pattern; mask_words(COUNT)],
+                rows: vec![level; ROOM_ROWS * WIDTH],
                 mesh: vec![Sky::UNKNOWN; mesh_cells(WIDTH, HEIGHT, Config::NOISE_AWARE.sky.cell())],
                 regions: vec![Region::BLANK; regions(WIDTH, HEIGHT)],
             }
         }
 
-        fn work(&mut self) -> Workspace<'_, L> {
+        /// All that a run with such an end leaves.
+        pub(super) fn left(&self, end: std::string::String, regions: usize, polls: usize) -> Left {
+            let bits = |levels: &Vec<L>| levels.iter().map(|level| level.bits()).collect::<Vec<u32>>();
+            let sky = |sky: &Sky| [sky.level.to_bits(), sky.noise.to_bits()];
+            let regions = self.regions.iter().take(regions);
+            let regions = regions.flat_map(|region| [region.peak, region.area, region.label, region.value.bits()]);
+            let planes = self.levels.iter().flat_map(bits).chain(self.words.iter().flatten().copied());
+            let tables = self.masked.iter().copied().chain(self.mesh.iter().flat_map(sky)).chain(regions);
+            Left { end, words: planes.chain(tables).collect(), polls }
+        }
+
+        pub(super) fn work(&mut self) -> Workspace<'_, L> {
             let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
             let Room { masked, rows, mesh, regions, .. } = self;
             Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions }
@@ -519,7 +537,7 @@ mod tests {
     }
 
     /// Counts of a camera, with stars, in rows of `stride` of which the rest is no part of the frame.
-    fn counts(most: f32, stride: usize) -> Vec<u16> {
+    pub(super) fn counts(most: f32, stride: usize) -> Vec<u16> {
         let (mut sky, mut counts) = (Simulated::new(Kind::Bright, 7, WIDTH, HEIGHT), vec![999; stride * HEIGHT]);
         for (y, counts) in counts.chunks_exact_mut(stride).enumerate() {
             let mut row = [0.0; WIDTH];
@@ -537,7 +555,7 @@ mod tests {
         labels: Vec<u32>,
     }
 
-    fn told(found: Found) -> std::string::String {
+    pub(super) fn told(found: Found) -> std::string::String {
         // Frames that can change have a checksum, and one NaN is as good as another.
         std::format!("{:?}", Found { values: Values { checksum: 0, ..found.values }, ..found })
     }
@@ -554,42 +572,39 @@ mod tests {
         Result { sources: found.sources, found: told(found), labels }
     }
 
-    /// All that a run leaves, as words, in parts of so many rows; and the number of parts.
-    fn left<L: Level>(
-        config: &Config,
-        pixels: &[f32],
-        known: Known<'_>,
-        rows: usize,
-    ) -> (std::string::String, Vec<u32>, usize) {
+    /// All that a run leaves.
+    #[derive(PartialEq)]
+    pub(super) struct Left {
+        /// What was found, or why it ended.
+        pub(super) end: std::string::String,
+        pub(super) words: Vec<u32>,
+        pub(super) polls: usize,
+    }
+
+    /// What a run leaves in parts of so many rows.
+    pub(super) fn left<L: Level>(config: &Config, pixels: &[f32], known: Known<'_>, rows: usize) -> Left {
         let mut room = Room::<L>::new();
         let mut run = Extractor::new(config, pixels, WIDTH, known, room.work()).expect("room enough");
-        let mut polls = 0;
-        let end = loop {
-            polls += 1;
+        for polls in 1.. {
             match run.poll(rows) {
-                Ok(Progress::Done(found)) => break told(found),
+                Ok(Progress::Done(found)) => return room.left(told(found), found.regions, polls),
                 Ok(_) => {}
-                Err(error) => break std::format!("{error}"),
+                Err(error) => return room.left(std::format!("{error}"), 0, polls),
             }
-        };
-        let bits = |levels: &Vec<L>| levels.iter().map(|level| level.bits()).collect::<Vec<u32>>();
-        let sky = |sky: &Sky| [sky.level.to_bits(), sky.noise.to_bits()];
-        let regions =
-            room.regions.iter().flat_map(|region| [region.peak, region.area, region.label, region.value.bits()]);
-        let planes = room.levels.iter().flat_map(bits).chain(room.words.iter().flatten().copied());
-        let words = planes.chain(room.masked.iter().copied()).chain(room.mesh.iter().flat_map(sky)).chain(regions);
-        (end, words.collect(), polls)
+        }
+        unreachable!("a run ends")
     }
 
     #[track_caller]
     fn parts_make_the_whole<L: Level>(config: &Config, pixels: &[f32], known: Known<'_>) {
-        let (end, words, steps) = left::<L>(config, pixels, known, usize::MAX);
+        let whole = left::<L>(config, pixels, known, usize::MAX);
         for rows in [1, 2, 7, HEIGHT] {
-            let (found, parts, polls) = left::<L>(config, pixels, known, rows);
-            assert_eq!(found, end, "{}, parts of {rows} rows", L::NAME);
-            let differing = parts.iter().zip(&words).position(|(part, whole)| part != whole);
-            assert_eq!(differing, None, "{}, parts of {rows} rows: {end}", L::NAME);
-            assert!(polls > steps && (rows > 1 || polls > 4 * HEIGHT), "{polls} polls of {rows} rows");
+            let parts = left::<L>(config, pixels, known, rows);
+            assert_eq!(parts.end, whole.end, "{}, parts of {rows} rows", L::NAME);
+            let differing = parts.words.iter().zip(&whole.words).position(|(part, whole)| part != whole);
+            assert_eq!(differing, None, "{}, parts of {rows} rows: {}", L::NAME, whole.end);
+            let polls = parts.polls;
+            assert!(polls > whole.polls && (rows > 1 || polls > 4 * HEIGHT), "{polls} polls of {rows} rows");
         }
     }
 
@@ -636,7 +651,7 @@ mod tests {
         counts_are_the_same_numbers::<crate::arithmetic::Fixed14>();
     }
 
-    const BAD: [BadPixel; 4] =
+    pub(super) const BAD: [BadPixel; 4] =
         [BadPixel { x: 3, y: 0 }, BadPixel { x: 20, y: 7 }, BadPixel { x: 21, y: 7 }, BadPixel { x: 39, y: 29 }];
 
     #[test]

@@ -4,6 +4,7 @@
 //! doi:10.1006/cviu.1996.0060); its scatter on pixels of like brightness, against that on sky,
 //! is the image's own photon transfer curve.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::plane::field::Field;
 use crate::plane::mask::Mask;
@@ -31,6 +32,12 @@ pub(crate) struct Curve {
 impl Curve {
     /// Nothing is known.
     pub const NOTHING: Curve = Curve { sky: 0.0, least: f32::NAN };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.real(&mut self.sky)?;
+        codec.real(&mut self.least)
+    }
 
     /// The photon noise.
     pub fn slope(&self) -> f32 {

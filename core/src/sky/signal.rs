@@ -1,5 +1,6 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
@@ -61,6 +62,15 @@ impl Measured {
         factor: 1.0,
         read: Read { has_noise: false, checksum: 0 },
     };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.word(&mut self.survey.cells)?;
+        codec.word(&mut self.survey.measured)?;
+        codec.real(&mut self.factor)?;
+        codec.flag(&mut self.read.has_noise)?;
+        codec.word(&mut self.read.checksum)
+    }
 }
 
 /// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
@@ -249,6 +259,12 @@ pub(crate) struct Smoothing<L> {
 impl<L: Level> Smoothing<L> {
     /// Nothing is known.
     pub const NOTHING: Smoothing<L> = Smoothing { fine: Tail::UNKNOWN, details: Tail::UNKNOWN };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        self.fine.code(codec)?;
+        self.details.code(codec)
+    }
 }
 
 /// Fills the fine and the smooth plane, and finds their noise.

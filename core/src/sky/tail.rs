@@ -4,6 +4,7 @@
 //! than in a normal distribution of the same width. The height that noise exceeds as rarely is then
 //! that of E. A. Cornish and R. A. Fisher 1938, doi:10.2307/1400905, to the first order.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
@@ -117,6 +118,12 @@ impl<L: Level> Tail<L> {
         let both = (lower + upper).scaled(L::Weight::of(0.5));
         let quartile = if piled { lower.greatest(both) } else { lower };
         Tail { noise: quartile.scaled(L::Weight::of(FROM_QUARTILE)), skewness: 0.0 }
+    }
+
+    /// The list of fields, out or in.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.bits(&mut self.noise)?;
+        codec.real(&mut self.skewness)
     }
 
     /// The value that noise exceeds as rarely as normal noise exceeds `height` standard deviations.

@@ -3,6 +3,7 @@
 //! They count in steps (B. Widrow, I. Kollar 2008, Quantization Noise), cut off what is below the
 //! black level, and fill pixels that were never observed with one number.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::raster::{Raster, Sample, mixed};
@@ -126,6 +127,25 @@ impl Look {
         pairs: Pairs { all: 0, followed: 0 },
         span: (f32::MAX, f32::MIN),
     };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        let Values { step, fill, filled, defined, piled, saturated, greatest, resolution, commonest, checksum } =
+            &mut self.values;
+        for real in [step, fill, greatest, resolution, commonest, &mut self.candidate] {
+            codec.real(real)?;
+        }
+        for word in [filled, defined, checksum] {
+            codec.word(word)?;
+        }
+        codec.flag(piled)?;
+        codec.flag(saturated)?;
+        for count in [&mut self.occurrences, &mut self.pairs.all, &mut self.pairs.followed] {
+            codec.size(count)?;
+        }
+        codec.real(&mut self.span.0)?;
+        codec.real(&mut self.span.1)
+    }
 
     /// [`Values::measure`] in parts, and of all parts of an image, where the frame is one of them: while others have yet
     /// to answer, the values are unknown.

@@ -1,6 +1,7 @@
 //! Whose light is it: pixels that a source's mirror image does not explain become sources, and
 //! at a border each pixel goes to the source that has the most light there.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
 use crate::plane::field::{Field, opposite};
@@ -137,6 +138,17 @@ impl<L: Level> Opening<L> {
         group: Region::BLANK,
         is_new: false,
     };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        self.count.code(codec)?;
+        codec.size(&mut self.next)?;
+        for word in [&mut self.host, &mut self.beside, &mut self.unexplained] {
+            codec.word(word)?;
+        }
+        self.group.code(codec)?;
+        codec.flag(&mut self.is_new)
+    }
 }
 
 /// Opens the pixels that neither their host's mirrored light nor that of the frame's typical source
@@ -320,6 +332,12 @@ pub(crate) struct Contest {
 impl Contest {
     /// Before the first pass.
     pub const NOTHING: Contest = Contest { has_changed: false, is_settled: false };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.flag(&mut self.has_changed)?;
+        codec.flag(&mut self.is_settled)
+    }
 }
 
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:

@@ -4,6 +4,7 @@
 //! from the rest. The piece with its peak stays, or a much larger one; the others go to the sources that they lie on.
 
 use crate::arithmetic::Level;
+use crate::arithmetic::codec::Codec;
 use crate::config::Connectivity;
 use crate::plane::grid::Grid;
 use crate::plane::rows::used_in;
@@ -39,6 +40,15 @@ pub(crate) struct Joining {
 impl Joining {
     /// Before the first pass.
     pub const NOTHING: Joining = Joining { next: 0, label: 0, pixels: 0, owner: (0, 0) };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.size(&mut self.next)?;
+        for word in [&mut self.label, &mut self.pixels, &mut self.owner.0, &mut self.owner.1] {
+            codec.word(word)?;
+        }
+        Ok(())
+    }
 }
 
 fn index(label: u32) -> usize {

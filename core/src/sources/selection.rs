@@ -1,5 +1,6 @@
 //! Which regions are sources: by area, or by their significance in an image matched to their size.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Select, Separate, narrow_area, part_area};
 use crate::plane::crew::Crew;
@@ -99,6 +100,18 @@ impl<L: Level> Cutting<L> {
     /// Nothing is known.
     pub const NOTHING: Cutting<L> =
         Cutting { narrow: Tail::UNKNOWN, matched: Tail::UNKNOWN, slope: Tail::UNKNOWN, allowed: 0.0, cut: Cut::NONE };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        for tail in [&mut self.narrow, &mut self.matched, &mut self.slope] {
+            tail.code(codec)?;
+        }
+        let Cut { significance, noise, narrow_noise } = &mut self.cut;
+        for real in [&mut self.allowed, significance, noise, narrow_noise] {
+            codec.real(real)?;
+        }
+        Ok(())
+    }
 }
 
 /// Measures every region, and finds the cut on the peak in the matched image. Means nothing while other parts of the

@@ -1,6 +1,7 @@
 //! Outlined pixels become regions: connected components, or parts of the tree of level sets.
 
 use crate::arithmetic::Level;
+use crate::arithmetic::codec::Codec;
 use crate::config::{Config, Connectivity, Deblending};
 use crate::plane::crew::Crew;
 use crate::plane::field::Field;
@@ -65,6 +66,14 @@ pub(crate) struct Growing {
 impl Growing {
     /// Before the first pass.
     pub const NOTHING: Growing = Growing { count: Count { regions: 0, left_out: 0 }, listed: 0, next: 0, label: 0 };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        self.count.code(codec)?;
+        codec.size(&mut self.listed)?;
+        codec.size(&mut self.next)?;
+        codec.word(&mut self.label)
+    }
 }
 
 /// Lets the tree of level sets grow over the pixels inside the outlines that have a signal, and gives
@@ -173,6 +182,14 @@ impl<L: Level> Dividing<L> {
     /// Before the first pass.
     pub const NOTHING: Dividing<L> =
         Dividing { is_typical: false, opening: Opening::NOTHING, contest: Contest::NOTHING, joining: Joining::NOTHING };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.flag(&mut self.is_typical)?;
+        self.opening.code(codec)?;
+        self.contest.code(codec)?;
+        self.joining.code(codec)
+    }
 }
 
 /// Gives regions their centres, makes light that no host explains regions of their own, lets

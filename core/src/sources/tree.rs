@@ -4,6 +4,7 @@
 //! After Bijaoui and others; the test of significance follows the idea of MTObjects (Teeninga et
 //! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Deblending};
 use crate::plane::field::{Ellipse, Field};
@@ -72,6 +73,23 @@ impl<L: Level> Region<L> {
         other.filter(|&other| self.label != 0 && other != 0 && other != self.label)
     }
 
+    /// The list of fields, out or in.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        let mut sum = L::sum_bits(self.sum);
+        for word in [&mut self.peak, &mut self.area, &mut self.divided, &mut self.label] {
+            codec.word(word)?;
+        }
+        for level in [&mut self.value, &mut self.centre.0, &mut self.centre.1] {
+            codec.bits(level)?;
+        }
+        for real in [&mut self.offsets.0, &mut self.offsets.1, &mut self.plateau] {
+            codec.real(real)?;
+        }
+        codec.long(&mut sum)?;
+        self.sum = L::sum_of_bits(sum);
+        Ok(())
+    }
+
     /// A region of one pixel.
     fn of(peak: u32, value: L) -> Region<L> {
         Region { peak, value, area: 1, sum: value.times(1), ..Region::BLANK }
@@ -105,6 +123,14 @@ pub struct Count {
     pub regions: usize,
     /// Peaks or components for which the table had no room: their pixels are in none.
     pub left_out: u32,
+}
+
+impl Count {
+    /// The list of fields, out or in.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.size(&mut self.regions)?;
+        codec.word(&mut self.left_out)
+    }
 }
 
 /// Of the nine pixels around a peak so many must be its own: most of them.

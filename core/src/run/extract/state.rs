@@ -1,6 +1,7 @@
 //! Everything that changes during a run on signal-to-noise but lies in no plane, list or table.
 
 use crate::arithmetic::Level;
+use crate::arithmetic::codec::Codec;
 use crate::plane::walk::Walk;
 use crate::sky::photon::Curve;
 use crate::sky::signal::{Measured, Smoothing};
@@ -46,6 +47,33 @@ impl<L: Level> State<L> {
         kept: Kept { sources: 0, pixels: 0 },
         unreached: 0,
     };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.size(&mut self.done)?;
+        self.walk.code(codec)?;
+        self.look.code(codec)?;
+        self.measured.code(codec)?;
+        self.smoothing.code(codec)?;
+        self.curve.code(codec)?;
+        self.growing.code(codec)?;
+        self.dividing.code(codec)?;
+        self.cutting.code(codec)?;
+        for word in [&mut self.kept.sources, &mut self.kept.pixels, &mut self.unreached] {
+            codec.word(word)?;
+        }
+        Ok(())
+    }
+
+    /// Regions that are in use.
+    pub fn regions(&self) -> usize {
+        self.growing.count.regions.max(self.count().regions)
+    }
+
+    /// Whether a run could have come to this state: no step and no region beyond the last.
+    pub fn is_sound(&self, steps: usize, regions: usize) -> bool {
+        self.done <= steps && self.regions() <= regions
+    }
 
     /// The noise of the lightly smoothed plane.
     pub fn noise(&self) -> Noise<L> {

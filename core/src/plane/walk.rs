@@ -39,6 +39,8 @@ pub(crate) struct Walk {
     next: usize,
     /// Cells that may still be worked on.
     left: usize,
+    /// Cells that have been worked on since the first step.
+    spent: u64,
     pub tally: Tally,
 }
 
@@ -46,13 +48,14 @@ impl Walk {
     /// A step that may be done as a whole.
     pub const fn whole() -> Walk {
         let tally = Tally { count: 0, keys: (0, 0), places: [0; BYTES], sums: [0.0; 4] };
-        Walk { at: 0, done: 0, next: 0, left: usize::MAX, tally }
+        Walk { at: 0, done: 0, next: 0, left: usize::MAX, spent: 0, tally }
     }
 
     /// The list of fields, out or in.
     pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
         codec.word(&mut self.done)?;
         codec.size(&mut self.next)?;
+        codec.long(&mut self.spent)?;
         let Tally { count, keys, places, sums } = &mut self.tally;
         codec.size(count)?;
         codec.word(&mut keys.0)?;
@@ -69,6 +72,11 @@ impl Walk {
     /// The next step.
     pub fn end(&mut self) {
         (self.at, self.done, self.next) = (0, 0, 0);
+    }
+
+    /// The work so far, in cells.
+    pub fn spent(&self) -> u64 {
+        self.spent
     }
 
     /// A pass over `items`, each with the work of `cost` cells: does of it what may be done now, at least one item.
@@ -91,7 +99,11 @@ impl Walk {
         self.spend((end - start).saturating_mul(cost));
         work(&mut self.tally, start..end);
         self.next = end;
-        if end < items { None } else { self.end_pass() }
+        if end < items {
+            self.left = 0;
+            return None;
+        }
+        self.end_pass()
     }
 
     /// What is done once between two passes, with the work of `cost` cells.
@@ -183,6 +195,7 @@ impl Walk {
 
     fn spend(&mut self, cells: usize) {
         self.left = self.left.saturating_sub(cells);
+        self.spent = self.spent.saturating_add(cells as u64);
     }
 }
 

@@ -28,6 +28,7 @@ use crate::plane::raster::{Raster, Sample};
 use crate::plane::rows::rows_of_mut;
 use crate::plane::sort::Keys;
 use crate::plane::walk::Walk;
+use crate::run::budget;
 use crate::run::plan::{Plan, ROUNDS};
 use crate::run::stage::Stage;
 use crate::run::workspace::Workspace;
@@ -79,6 +80,8 @@ pub struct Extractor<'a, 'm, L: Level, P = f32> {
     view: View<'a, P>,
     work: Workspace<'m, L>,
     state: State<L>,
+    /// The most work.
+    bound: u64,
     /// What ended the run before its end.
     ended: Option<Error>,
 }
@@ -132,14 +135,21 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
         }
         let grid = work.check(count, width, config.sky.cell(), known)?;
         known.check_bad()?;
+        let bound = budget::cells(config, (grid.width.get(), grid.height), work.regions.len());
         Ok(Extractor {
             config: *config,
             grid,
             view: View { frame, grid, known, values: Values::UNKNOWN },
             work,
             state: State::NEW,
+            bound,
             ended: None,
         })
+    }
+
+    /// Work done so far, and the most that the run can need ([`budget::cells`]), in cells.
+    pub fn work_done(&self) -> (u64, u64) {
+        (self.state.walk.spent(), self.bound)
     }
 
     /// How far the run is.
@@ -187,6 +197,8 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             self.state.walk.resume(if whole.is_some() { usize::MAX } else { cells });
             let is_done = match self.step(stage, crew) {
                 Ok(_) if whole.is_some_and(Whole::is_waiting) => Err(Error::Waiting),
+                // A run that was left alone ends within its bound.
+                Ok(None) if self.state.walk.spent() > self.bound => Err(Error::Corrupted { name: "the state" }),
                 result => result,
             };
             if is_done.map_err(|error| *self.ended.insert(error))?.is_some() {
@@ -747,6 +759,48 @@ pub(crate) mod tests {
         // All of a small frame is its sample.
         let reads = |pixel: &Counted| pixel.1.load(Ordering::Relaxed);
         assert_eq!((pixels.iter().map(reads).min(), pixels.iter().map(reads).max()), (Some(8), Some(8)));
+    }
+
+    /// Frames that ask for work: peaks and borders everywhere, one winding source, holes, the ends of the numbers.
+    fn hostile() -> [(&'static str, Vec<f32>); 9] {
+        let draw = |value: &dyn Fn(usize, usize) -> f32| (0..COUNT).map(|at| value(at % WIDTH, at / WIDTH)).collect();
+        let noise = |x: usize, y: usize| ((x * 2_654_435_761 + y * 40_503) % 1009) as f32;
+        let bright = |is_bright: bool| if is_bright { 1e4 } else { 0.0 };
+        [
+            ("noise", draw(&noise)),
+            ("checkerboard", draw(&|x, y| noise(x, y) + bright((x + y) % 2 == 0))),
+            ("dots", draw(&|x, y| noise(x, y) + bright(x % 3 == 0 && y % 3 == 0))),
+            ("comb", draw(&|x, y| noise(x, y) + bright(x % 4 == 0 || y + 1 == HEIGHT))),
+            ("half", draw(&|x, y| noise(x, y) + bright(x > WIDTH / 2))),
+            ("ramp", draw(&|x, y| (x * x + y) as f32)),
+            ("holes", draw(&|x, y| if (x + y) % 3 == 0 { f32::NAN } else { noise(x, y) + bright(x % 5 == 0) })),
+            ("ends", draw(&|x, y| [f32::MAX, f32::MIN, 1e-45, -0.0, 3.0][(x + 2 * y) % 5])),
+            ("stars", counts(4000.0, WIDTH).iter().map(|&count| f32::from(count)).collect()),
+        ]
+    }
+
+    #[test]
+    fn no_frame_needs_more_work_or_polls_than_was_said() {
+        let mut greatest = 0.0;
+        for (name, pixels) in hostile() {
+            for rows in [1, 5] {
+                let mut room = Room::<f32>::new();
+                let mut run = Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work())
+                    .expect("room enough");
+                let (mut polls, bound) = (0, run.work_done().1);
+                assert_eq!(bound, budget::cells(&Config::NOISE_AWARE, (WIDTH, HEIGHT), regions(WIDTH, HEIGHT)));
+                while let Ok(Progress::Next(_)) = run.poll(rows) {
+                    polls += 1;
+                }
+                let (work, _) = run.work_done();
+                assert!(work <= bound, "{name}: {work} cells where {bound} are the most");
+                let most = budget::polls(bound, WIDTH, rows);
+                assert!(polls <= most, "{name}: {polls} polls of {rows} rows where {most} are the most");
+                greatest = f64::max(greatest, work as f64 / bound as f64);
+                std::println!("{name}: {:.2} of the work, {polls} of {most} polls", work as f64 / bound as f64);
+            }
+        }
+        assert!(greatest > 0.2, "{greatest} of the work that was allowed");
     }
 
     #[test]

@@ -24,7 +24,7 @@ const MAGIC: u32 = 0x4579_6B53;
 const VERSION: u32 = 1;
 /// Words of the header, of the state and of a region.
 const HEADER_WORDS: usize = 8;
-const STATE_WORDS: usize = 342;
+const STATE_WORDS: usize = 344;
 const REGION_WORDS: usize = 12;
 
 /// The most bytes of a snapshot of a run over a frame with mesh cells `cell` pixels wide, with so many `regions`.
@@ -89,7 +89,7 @@ impl<L: Level, P: Sample> Extractor<'_, '_, L, P> {
     pub fn restore<E>(&mut self, read: impl FnMut(&mut [u8]) -> Result<(), E>) -> Result<(), SnapshotError<E>> {
         let result = read_back(read, &self.header(), |reader| self.body(reader)).and_then(|()| {
             let steps = Plan::of(&self.config).steps().count();
-            let is_sound = self.state.is_sound(steps, self.work.regions.len());
+            let is_sound = self.state.is_sound(steps, self.work.regions.len(), self.bound);
             if is_sound { Ok(()) } else { Err(SnapshotError::Damaged) }
         });
         self.take_up(result.is_ok());

@@ -70,9 +70,10 @@ impl<L: Level> State<L> {
         self.growing.count.regions.max(self.count().regions)
     }
 
-    /// Whether a run could have come to this state: no step and no region beyond the last.
-    pub fn is_sound(&self, steps: usize, regions: usize) -> bool {
-        self.done <= steps && self.regions() <= regions
+    /// Whether a run could have come to this state: no step and no region beyond the last, and no more work than it
+    /// can need.
+    pub fn is_sound(&self, steps: usize, regions: usize, bound: u64) -> bool {
+        self.done <= steps && self.regions() <= regions && self.walk.spent() <= bound
     }
 
     /// The noise of the lightly smoothed plane.

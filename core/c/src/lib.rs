@@ -27,10 +27,12 @@ mod error;
 mod memory;
 mod pointer;
 mod run;
+mod search;
 mod track;
 
 pub use error::*;
 pub use run::*;
+pub use search::*;
 pub use track::*;
 
 use pointer::slice;

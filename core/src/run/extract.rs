@@ -490,7 +490,7 @@ pub fn extract<L: Level>(
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use crate::plane::mask::mask_words;
     use crate::plane::raster::{BadPixel, sealed::Sealed};

@@ -25,8 +25,8 @@ mod write;
 pub use read::{Contents, Packet, PacketError, Piece, Pieces, Records, Run, Runs};
 pub use write::{Cursor, cutouts, labels, stars};
 
-/// "SkyD", little-endian.
-const MAGIC: u32 = 0x4479_6B53;
+/// The first bytes of every packet, by which the next is found behind a damaged one.
+pub const BEGINNING: [u8; 4] = *b"SkyD";
 /// Changes with the format.
 const VERSION: u8 = 1;
 /// Bytes before the body, and after it.

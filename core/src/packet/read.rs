@@ -1,6 +1,6 @@
 //! Packets on the ground.
 
-use super::{ENDS, Kind, MAGIC, PIECE, RECORD, VERSION};
+use super::{BEGINNING, ENDS, Kind, PIECE, RECORD, VERSION};
 use crate::arithmetic::digest::Digest;
 use crate::track::{SIDES, Star};
 use core::fmt;
@@ -257,7 +257,7 @@ impl<'a> Packet<'a> {
         let (given, least) = (bytes.len(), ENDS.0.saturating_add(ENDS.1));
         let short = |needed| PacketError::Short { given, needed };
         let mut head = Bytes(bytes);
-        if head.word().ok_or(short(least))? != MAGIC {
+        if head.array().ok_or(short(least))? != BEGINNING {
             return Err(PacketError::Foreign { what: "beginning" });
         }
         let [version, kind] = head.array().ok_or(short(least))?;

@@ -1,6 +1,6 @@
 //! Packets on board.
 
-use super::{BYTES, ENDS, Kind, MAGIC, PIECE, RECORD, VERSION};
+use super::{BEGINNING, BYTES, ENDS, Kind, PIECE, RECORD, VERSION};
 use crate::arithmetic::digest::Digest;
 use crate::error::Error;
 use crate::track::{Pixel, Raster, Star, Window};
@@ -44,7 +44,7 @@ impl<'a> Writer<'a> {
             return Err(Error::Length { name: "a packet", given, needed });
         }
         let mut writer = Writer { out: out.get_mut(..given.min(most)).unwrap_or(&mut []), length: 0 };
-        writer.word(MAGIC);
+        writer.put(&BEGINNING);
         writer.put(&[VERSION, kind as u8, 0, 0]);
         writer.word(cursor.product);
         writer.word(cursor.packet);

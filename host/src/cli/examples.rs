@@ -31,6 +31,7 @@ pub const EXAMPLES: [(&str, &[(&str, &str)]); 10] = [
                 "SExtractor's columns",
                 "skyfront segment image.fits --out results --columns NUMBER,X_IMAGE,Y_IMAGE,FLUX_AUTO,FLAGS",
             ),
+            ("The stars of a star tracker's frame", "skyfront segment frame.fits --out stars --preset star-tracker"),
             ("The settings of one run for another", "skyfront segment --threshold 0.8 --dump-config"),
             ("The front of the paper", "skyfront segment image.fits --out paper --preset paper-f160"),
             (

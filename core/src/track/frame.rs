@@ -70,7 +70,7 @@ impl<'a, P: Pixel> Raster<'a, P> {
 
     /// Columns `x` of row `y`; none where they do not lie in the frame.
     #[inline(always)]
-    pub(super) fn row(&self, y: usize, x: core::ops::Range<usize>) -> &'a [P] {
+    pub(crate) fn row(&self, y: usize, x: core::ops::Range<usize>) -> &'a [P] {
         let start = y.saturating_mul(self.stride);
         self.pixels.get(start.saturating_add(x.start)..start.saturating_add(x.end)).unwrap_or(&[])
     }

@@ -2,11 +2,13 @@
 
 #[deny(clippy::arithmetic_side_effects)]
 pub mod bytes;
+mod filter;
 mod parameter;
 mod sources;
 mod table;
 mod validate;
 
+pub use filter::{Diffusivity, Filter};
 pub use parameter::{End, Forms, Need, Numbers, Parameter, Range, Step, Value, Word};
 pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, narrow_area, part_area};
 pub use table::PARAMETERS;
@@ -77,56 +79,6 @@ pub enum Rescale {
         /// The threshold.
         tau: Tau,
     },
-}
-
-/// Step 3: the filter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Filter {
-    /// None.
-    None,
-    /// The heat equation (`schemacal`).
-    Heat,
-    /// Perona-Malik (`eq:PM`, doi:10.1109/34.56205).
-    PeronaMalik {
-        /// The diffusion coefficient.
-        diffusivity: Diffusivity,
-        /// The gradient at which diffusion falls off, in image units (0 to 1) per `dx`.
-        mu: f32,
-    },
-    /// The median of 3 x 3 pixels ([`crate::image::median`]).
-    Median,
-    /// Signal-to-noise smoothed by a Gaussian of 0.8 pixels ([`crate::sky`]).
-    Gauss,
-    /// The same, and more where nothing significant is lost by it.
-    Adaptive,
-}
-
-impl Filter {
-    /// The name of its step, by which the costs of a step are told; none for those that do not go over
-    /// the image plane in steps.
-    pub const fn step_name(self) -> &'static str {
-        match self {
-            Filter::None | Filter::Gauss | Filter::Adaptive => "none",
-            Filter::Heat => "heat",
-            Filter::Median => "median",
-            Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
-            Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
-        }
-    }
-
-    /// Whether it goes over the image plane in steps.
-    pub const fn is_stepped(self) -> bool {
-        !matches!(self, Filter::None | Filter::Gauss | Filter::Adaptive)
-    }
-}
-
-/// The diffusion coefficient of Perona-Malik, with `s = |grad I| / mu`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Diffusivity {
-    /// `1 / (1 + s^2)`.
-    F1,
-    /// `exp(-s^2)`.
-    F2,
 }
 
 /// Whether step 2 or step 3 comes first.

@@ -4,6 +4,7 @@
 //! the keys of configuration files, the headers of results and the manual. A new setting is a field
 //! of [`Config`] and an entry here.
 
+use super::filter;
 use super::parameter::{Access, Bounds, End, Need, Numbers, Parameter, Range, Slot, Step, Value, Word, word};
 use super::{
     Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Normalize, Order, Rescale,
@@ -99,7 +100,9 @@ table![
             "Where r3 begins to lift light: found by a rule in the image that is rescaled, or a value \
              between 0 and 1.",
         ),
-    choice("filter", "SFFILTER", FILTERS, filter, set_filter).at(Step::Filter, &[]).help("How noise is smoothed away."),
+    choice("filter", "SFFILTER", filter::WORDS, filter::get, filter::set)
+        .at(Step::Filter, &[])
+        .help("How noise is smoothed away."),
     whole("filter-steps", "SFFSTEPS", |c| Some(Short(&mut c.filter_steps)))
         .at(Step::Filter, &[BY_PAPER, FILTERED])
         .range(Range::within(0.0, 1000.0))
@@ -331,7 +334,7 @@ const BY_PAPER: Need = Need {
     words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "fast-marching"],
 };
 const BY_R3: Need = Need { name: "rescale", words: &["r3"] };
-const FILTERED: Need = Need { name: "filter", words: &["heat", "pm", "median"] };
+const FILTERED: Need = Need { name: "filter", words: filter::IN_STEPS };
 /// Those with a time step.
 const DIFFUSED: Need = Need { name: "filter", words: &["heat", "pm"] };
 const PERONA_MALIK: Need = Need { name: "filter", words: &["pm"] };
@@ -377,14 +380,6 @@ const THRESHOLDS: &[Word] = &[
     word("kapur", "greatest entropy"),
     word("rosin", "corner of a histogram with one peak"),
     Word { name: "noise", numbers: Numbers::One(3.0), help: "X standard deviations of the noise above the sky" },
-];
-const FILTERS: &[Word] = &[
-    word("none", "not at all"),
-    word("heat", "evenly, by the heat equation"),
-    word("pm", "less across edges, after Perona and Malik"),
-    word("median", "by the median of 3 x 3 pixels, in which spikes vanish and edges stay"),
-    word("gauss", "evenly, by a Gaussian of 0.8 pixels"),
-    word("adaptive", "by a Gaussian of 0.8 pixels, and more where nothing significant is lost by it"),
 ];
 const DIFFUSIVITIES: &[Word] = &[word("f1", "1 / (1 + s^2)"), word("f2", "exp(-s^2)")];
 const ORDERS: &[Word] =
@@ -520,30 +515,6 @@ fn set_tau(config: &mut Config, value: Value) {
             _ => Tau::Otsu,
         };
     }
-}
-
-fn filter(config: &Config) -> Option<Value> {
-    Some(Value::word(match config.filter {
-        Filter::None => "none",
-        Filter::Heat => "heat",
-        Filter::PeronaMalik { .. } => "pm",
-        Filter::Median => "median",
-        Filter::Gauss => "gauss",
-        Filter::Adaptive => "adaptive",
-    }))
-}
-
-/// The steps follow from the filter: those of the paper's Test 1 for heat, of Test 2 for Perona and Malik.
-fn set_filter(config: &mut Config, value: Value) {
-    (config.filter, config.filter_steps) = match (value.word, config.filter) {
-        (Some("none"), _) => (Filter::None, config.filter_steps),
-        (Some("median"), _) => (Filter::Median, 1),
-        (Some("gauss"), _) => (Filter::Gauss, config.filter_steps),
-        (Some("adaptive"), _) => (Filter::Adaptive, config.filter_steps),
-        (Some("heat"), _) => (Filter::Heat, Config::PAPER_F160.filter_steps),
-        (_, given @ Filter::PeronaMalik { .. }) => (given, Config::PAPER_REAL.filter_steps),
-        _ => (Config::PAPER_REAL.filter, Config::PAPER_REAL.filter_steps),
-    };
 }
 
 fn diffusivity(config: &Config) -> Option<Value> {

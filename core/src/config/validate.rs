@@ -65,12 +65,10 @@ impl Config {
                 return apart(choice, value, "sky", "mesh or frame");
             }
         }
-        match self.filter {
-            Filter::Heat if self.scheme == Scheme::Region => apart("filter", "heat", "scheme", "fd"),
-            Filter::PeronaMalik { .. } if self.scheme == Scheme::Region => apart("filter", "pm", "scheme", "fd"),
-            Filter::Median if self.scheme == Scheme::Region => apart("filter", "median", "scheme", "fd"),
-            _ => Ok(()),
+        if self.filter.is_stepped() && self.scheme == Scheme::Region {
+            return apart("filter", self.filter.name(), "scheme", "fd");
         }
+        Ok(())
     }
 
     /// Fixed point saturates: the coefficients that may be large must be inside its range.

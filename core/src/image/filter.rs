@@ -1,9 +1,11 @@
 //! Step 3: the filter, one explicit time step a sweep.
 
+pub mod median;
+
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Diffusivity, Filter};
-use crate::image::median::Median;
 use crate::plane::sweep::{Cross, Kernel, cross};
+use median::Median;
 
 /// One step of whichever filter a configuration has in steps.
 #[derive(Clone, Copy, Debug)]

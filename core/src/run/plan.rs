@@ -184,8 +184,7 @@ impl<'a> Plan<'a> {
                 _ => 0,
             },
             Stage::Rescale => u32::from(config.rescale != Rescale::None),
-            Stage::Filter if !config.filter.is_stepped() => 0,
-            Stage::Filter => u32::from(config.filter_steps),
+            Stage::Filter => config.filter.passes(config.filter_steps),
             // The tau of r3 serves both.
             Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => u32::from(starts_near),

@@ -1,6 +1,76 @@
-//! Step 3: the linear and the nonlinear filter.
+//! Step 3: the filters.
 
-use super::{Diffusivity, Filter, Plane};
+use super::Plane;
+
+/// Filter of step 3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Filter {
+    /// The image as it is.
+    None,
+    /// `schemacal`.
+    Heat {
+        /// Iterations.
+        steps: u32,
+        /// Time step.
+        dt: f64,
+    },
+    /// `eq:PM`.
+    PeronaMalik {
+        /// f1 or f2.
+        f: Diffusivity,
+        /// Gradient threshold, in grey levels per unit of length.
+        mu: f64,
+        /// Iterations.
+        steps: u32,
+        /// Time step.
+        dt: f64,
+    },
+    /// The median of 3 x 3 pixels.
+    Median {
+        /// Iterations.
+        steps: u32,
+    },
+}
+
+/// Diffusion coefficient of Perona and Malik.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Diffusivity {
+    /// 1 / (1 + (z/mu)^2).
+    F1,
+    /// exp(-(z/mu)^2).
+    F2,
+}
+
+/// What a filter may be told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterSettings {
+    /// Iterations.
+    pub steps: u32,
+    /// Time step.
+    pub dt: f64,
+    /// f1 or f2, and its gradient threshold.
+    pub diffusion: (Diffusivity, f64),
+}
+
+impl Filter {
+    /// The filter of a name on the command line; [`Filter::None`] for those that are no filter of the paper's steps.
+    pub fn named(name: &str, FilterSettings { steps, dt, diffusion: (f, mu) }: FilterSettings) -> Filter {
+        match name {
+            "heat" => Filter::Heat { steps, dt },
+            "pm" => Filter::PeronaMalik { f, mu, steps, dt },
+            "median" => Filter::Median { steps },
+            _ => Filter::None,
+        }
+    }
+
+    /// Its iterations.
+    pub fn steps(self) -> u32 {
+        match self {
+            Filter::None => 0,
+            Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } | Filter::Median { steps } => steps,
+        }
+    }
+}
 
 /// The filtered image.
 pub(super) fn filter(filter: Filter, dx: f64, image: &Plane) -> Plane {

@@ -58,14 +58,8 @@ fn intensities() -> Vec<Config> {
 /// The rules of steps 3 and 4.
 fn filters_and_edges() -> Vec<Config> {
     let pm = |diffusivity, mu| Filter::PeronaMalik { diffusivity, mu };
-    let filters = [
-        Filter::None,
-        Filter::Heat,
-        Filter::Median,
-        pm(Diffusivity::F1, 2.0),
-        pm(Diffusivity::F2, 2.0),
-        pm(Diffusivity::F2, 30.0),
-    ];
+    let of_paper = Filter::ALL.iter().copied().filter(|filter| *filter == Filter::None || filter.is_stepped());
+    let filters: Vec<Filter> = of_paper.chain([pm(Diffusivity::F1, 2.0), pm(Diffusivity::F2, 2.0)]).collect();
     let edges = [
         Edge::G1 { p: 2.5 },
         Edge::G1 { p: 4.0 },

@@ -77,7 +77,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 state.reason = if late { StopReason::TimeLimit } else { StopReason::Rest };
                 state.steps = steps.min(most);
             }
-            Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),
+            Stage::Filter if state.pass < self.config.filter.passes(self.config.filter_steps) => return Ok(()),
             Stage::Evolve => {
                 state.steps = state.pass;
                 state.last_change = self.rule.norm(&state.change);

@@ -102,11 +102,12 @@ table![
         ),
     choice("filter", "SFFILTER", filter::WORDS, filter::get, filter::set)
         .at(Step::Filter, &[])
+        .ranges_by(filter::ranges)
         .help("How noise is smoothed away."),
     whole("filter-steps", "SFFSTEPS", |c| Some(Short(&mut c.filter_steps)))
         .at(Step::Filter, &[BY_PAPER, FILTERED])
-        .range(Range::within(0.0, 1000.0))
-        .help("Steps of the filter."),
+        .ranges_by(filter::step_ranges)
+        .help("Steps of the filter; of starlet the scales, 7 at most."),
     real("filter-dt", "SFFDT", |c| Some(Real(&mut c.filter_dt)))
         .at(Step::Filter, &[BY_PAPER, DIFFUSED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.dx * c.dx / 4.0)); 2])

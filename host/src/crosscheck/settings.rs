@@ -126,5 +126,6 @@ fn filter(config: &c::Config) -> r::Filter {
         _ => (r::Diffusivity::F2, 1.0),
     };
     let (steps, dt) = (config.filter_steps.into(), decimal(config.filter_dt));
-    r::Filter::named(config.filter.name(), r::FilterSettings { steps, dt, diffusion })
+    let number = config.filter.number().map_or(0.0, decimal);
+    r::Filter::named(config.filter.name(), r::FilterSettings { steps, dt, diffusion, number })
 }

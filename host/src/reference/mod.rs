@@ -43,7 +43,7 @@ mod threshold;
 pub use arrival::{arrivals, soonest};
 pub use edge::{detector, gradient, gradient_range};
 pub use error::ReferenceError;
-pub use filter::{Diffusivity, Filter, FilterSettings, filter_step};
+pub use filter::{Diffusivity, Filter, FilterSettings, Filtering, filter_pass, scale_noise};
 pub use front::{Ended, Evolution, at_rest, change, evolve, step};
 pub use initial::{framed, half_side, initial, near, saturated};
 pub use normalize::{normalize, range};

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::front::march::March;
 use crate::front::scheme::{Evolve, Step};
 use crate::front::start;
-use crate::image::filter::AnyFilter;
+use crate::image::filter::{AnyFilter, Measured, Planes};
 use crate::image::normalize;
 use crate::image::rescale::Rescaler;
 use crate::plane::rows::{row_of, row_of_mut};
@@ -187,7 +187,17 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     }
 
     pub(super) fn filter_rows(&mut self, end: usize) {
-        self.sweep_image(&mut AnyFilter::<A>::new(&self.config), end);
+        let (rows, pixels) = (self.state.row..end, self.width.saturating_mul(self.height));
+        let mut planes = Planes {
+            image: self.memory.image.get_mut(..pixels).unwrap_or(&mut []),
+            spare: self.memory.front.get_mut(..pixels).unwrap_or(&mut []),
+            ring: &mut *self.memory.ring,
+            width: self.width,
+        };
+        let (select, counts) = (&self.state.select, &mut *self.memory.counts);
+        let measured = Measured { select, counts, value: self.state.noise.noise };
+        let pass = (self.state.pass, self.config.filter_steps);
+        AnyFilter::<A>::new(&self.config).rows(&mut planes, pass, measured, rows);
     }
 
     pub(super) fn evolve_rows(&mut self, end: usize) {

@@ -20,6 +20,8 @@ pub enum Filter {
     },
     /// The median of 3 x 3 pixels ([`crate::image::filter::median`]).
     Median,
+    /// The median of 5 x 5 pixels ([`crate::image::filter::median5`]).
+    Median5,
     /// The mean of pixels near in place and brightness ([`crate::image::filter::bilateral`]).
     Bilateral {
         /// The difference from which pixels count less, in image units (0 to 1); 0.001 to 10.
@@ -87,7 +89,7 @@ macro_rules! filters {
 }
 
 filters! {
-    in steps: Filter::Heat, Config::PAPER_REAL.filter, Filter::Median,
+    in steps: Filter::Heat, Config::PAPER_REAL.filter, Filter::Median, Filter::Median5,
         Filter::Bilateral { contrast: 0.1 }, Filter::TotalVariation { weight: 0.1 },
         Filter::Starlet { significance: 3.0 };
     of signal to noise: Filter::Gauss, Filter::Adaptive
@@ -104,6 +106,7 @@ impl Filter {
             Filter::Median => {
                 in_steps(1, word("median", "by the median of 3 x 3 pixels, in which spikes vanish and edges stay"))
             }
+            Filter::Median5 => in_steps(1, word("median5", "by the median of 5 x 5 pixels")),
             Filter::Bilateral { contrast } => in_steps(
                 1,
                 with_number(

@@ -2,6 +2,7 @@
 
 pub mod bilateral;
 pub mod median;
+pub mod median5;
 pub mod starlet;
 pub mod total_variation;
 pub mod window;
@@ -14,6 +15,7 @@ use crate::sky::select::Select;
 use bilateral::Bilateral;
 use core::ops::Range;
 use median::Median;
+use median5::Median5;
 use starlet::Starlet;
 use total_variation::TotalVariation;
 
@@ -53,6 +55,8 @@ pub enum AnyFilter<A: Arithmetic> {
     PeronaMalik(PeronaMalik<A>),
     /// The median of 3 x 3.
     Median(Median),
+    /// The median of 5 x 5.
+    Median5(Median5),
     /// Near in place and brightness.
     Bilateral(Bilateral<A>),
     /// Total variation.
@@ -72,6 +76,7 @@ impl<A: Arithmetic> AnyFilter<A> {
                 AnyFilter::PeronaMalik(PeronaMalik::new(config, diffusivity, mu))
             }
             Filter::Median => AnyFilter::Median(Median),
+            Filter::Median5 => AnyFilter::Median5(Median5),
             Filter::Bilateral { contrast } => AnyFilter::Bilateral(Bilateral::new(contrast)),
             Filter::TotalVariation { weight } => AnyFilter::TotalVariation(TotalVariation::new(weight)),
             Filter::Starlet { significance } => AnyFilter::Starlet(Starlet::new(significance)),
@@ -92,6 +97,7 @@ impl<A: Arithmetic> AnyFilter<A> {
             AnyFilter::Heat(filter) => planes.sweep::<A>(filter, rows),
             AnyFilter::PeronaMalik(filter) => planes.sweep::<A>(filter, rows),
             AnyFilter::Median(filter) => planes.sweep::<A>(filter, rows),
+            AnyFilter::Median5(filter) => window::rows::<A>(filter, planes, rows),
             AnyFilter::Bilateral(filter) => window::rows::<A>(filter, planes, rows),
             AnyFilter::TotalVariation(filter) => filter.rows(planes, pass, rows),
             AnyFilter::Starlet(filter) => filter.rows::<A>(planes, pass, measured, rows),

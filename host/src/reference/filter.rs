@@ -34,6 +34,11 @@ pub enum Filter {
         /// Iterations.
         steps: u32,
     },
+    /// The median of 5 x 5 pixels.
+    Median5 {
+        /// Iterations.
+        steps: u32,
+    },
     /// That of C. Tomasi and R. Manduchi over 5 x 5 pixels, with a Gaussian of one pixel.
     Bilateral {
         /// Standard deviation of the weights by brightness.
@@ -96,6 +101,7 @@ impl Filter {
             "heat" => Filter::Heat { steps, dt },
             "pm" => Filter::PeronaMalik { f, mu, steps, dt },
             "median" => Filter::Median { steps },
+            "median5" => Filter::Median5 { steps },
             "bilateral" => Filter::Bilateral { contrast: number, steps },
             "tv" => Filter::TotalVariation { weight: number, steps },
             "starlet" => Filter::Starlet { significance: number, scales: steps },
@@ -108,7 +114,7 @@ impl Filter {
         match self {
             Filter::None => 0,
             Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } | Filter::Bilateral { steps, .. } => steps,
-            Filter::Median { steps } => steps,
+            Filter::Median { steps } | Filter::Median5 { steps } => steps,
             Filter::TotalVariation { steps: 0, .. } | Filter::Starlet { scales: 0, .. } => 0,
             Filter::TotalVariation { steps, .. } | Filter::Starlet { scales: steps, .. } => steps + 1,
         }
@@ -129,6 +135,7 @@ pub fn filter_pass(filter: Filter, dx: f64, pass: u32, first: &Plane, now: &Filt
         Filter::Heat { dt, .. } => heat(image, dt, dx),
         Filter::PeronaMalik { f, mu, dt, .. } => perona_malik(image, f, mu, dt, dx),
         Filter::Median { .. } => median(image, 1),
+        Filter::Median5 { .. } => median(image, 2),
         Filter::Bilateral { contrast, .. } => bilateral(image, contrast),
         Filter::TotalVariation { weight, steps } => return total_variation::pass(weight, steps, pass, now),
         Filter::Starlet { significance, scales } => return starlet::pass(significance, scales, pass, first, now),

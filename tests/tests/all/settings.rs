@@ -64,6 +64,7 @@ const CASES: &[Case] = &[
     ("filter", S, "preset=rsa", ["none", "heat"]),
     ("filter", B, "preset=paper-f160", ["heat", "median"]),
     ("filter-steps", B, "preset=paper-f160 filter=median", ["1", "2"]),
+    ("filter", B, "preset=paper-f160", ["median", "median5"]),
     ("filter", B, "preset=paper-f160 rescale=r1", ["bilateral:0.1", "bilateral:0.01"]),
     ("filter", B, "preset=paper-f160 rescale=r1", ["tv:0.1", "tv:0.01"]),
     ("filter-steps", B, "preset=paper-f160 rescale=r1 filter=tv", ["50", "1"]),

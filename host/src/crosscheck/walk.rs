@@ -195,6 +195,8 @@ impl Walk {
             }
             // The field ends a step short of 1.
             r::Filter::TotalVariation { weight, .. } => (weight * bit(21), bit(14)),
+            // A mean of 25 products, each rounded.
+            r::Filter::Bilateral { .. } => (25.0 * bit(25), 0.0),
             _ => (0.0, 0.0),
         }
     }

@@ -204,6 +204,15 @@ pub enum Start {
     Given,
 }
 
+/// Which way the front moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// It shrinks onto what it encloses: what it leaves is the objects.
+    Inward,
+    /// It grows from where it starts until edges hold it: what it has enclosed is the objects.
+    Outward,
+}
+
 /// Which pixels touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
@@ -250,8 +259,10 @@ pub struct Config {
     pub chan_vese: ChanVese,
     /// Form of the curvature averages.
     pub curvature_form: CurvatureForm,
-    /// The flat case of the curvature schemes begins at `|grad u| <= degenerate * dx`.
+    /// The flat case of the curvature schemes begins at `|grad u| <= degenerate * dx^degenerate_power`.
     pub degenerate: f32,
+    /// The power of dx there, 0 to 8.
+    pub degenerate_power: u16,
     /// Directions of the semi-Lagrangian minimum: 16 or 64.
     pub directions: u8,
     /// Width of a pixel.
@@ -268,6 +279,8 @@ pub struct Config {
     pub stop: Stop,
     /// Where the front starts.
     pub start: Start,
+    /// Which way it moves; outward from [`Start::Given`].
+    pub motion: Motion,
     /// The front is held in pixels and saturated to this half-width, or `None` for the paper's `u0`.
     pub band: Option<f32>,
     /// The outline of a run on signal-to-noise.
@@ -305,6 +318,7 @@ impl Config {
         chan_vese: ChanVese { mu: 0.005, lambda1: 1.0, lambda2: 1.0 },
         curvature_form: CurvatureForm::Consistent,
         degenerate: 0.1,
+        degenerate_power: 1,
         directions: 16,
         dx: 0.1,
         dt: 0.025,
@@ -313,6 +327,7 @@ impl Config {
         eps: 1e-3,
         stop: Stop::Paper,
         start: Start::Frame,
+        motion: Motion::Inward,
         band: None,
         outline: Outline::DEFAULT,
         separate: Separate::Components,

@@ -7,8 +7,8 @@
 use super::filter;
 use super::parameter::{Access, Bounds, End, Need, Numbers, Parameter, Range, Slot, Step, Value, Word, word};
 use super::{
-    Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Normalize, Order, Rescale,
-    Scheme, Select, Separate, Start, Stop, Tau,
+    Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Motion, Normalize, Order,
+    Rescale, Scheme, Select, Separate, Start, Stop, Tau,
 };
 use crate::arithmetic::digest::Digest;
 use crate::error::Error;
@@ -163,6 +163,10 @@ table![
         .at(Step::Front, &[FLATTENED])
         .range(Range::above(0.0, End::At(1e3)))
         .help("Slope of the front, times dx, up to which it counts as flat where its curvature is taken."),
+    whole("degenerate-power", "SFDEGPOW", |c| Some(Short(&mut c.degenerate_power)))
+        .at(Step::Front, &[BENT])
+        .range(Range::within(0.0, 8.0))
+        .help("Power of dx in that slope."),
     choice("directions", "SFDIRS", DIRECTIONS, directions, set_directions)
         .at(Step::Front, &[Need { name: "scheme", words: &["sl", "sl-curvature"] }])
         .help("Directions of the semi-Lagrangian minimum."),
@@ -190,6 +194,9 @@ table![
     .unit("px")
     .range(Range::within(1.0, 100.0))
     .help("Distance from the outline of the threshold or the map to the front that starts there."),
+    choice("motion", "SFMOTION", MOTIONS, motion, set_motion)
+        .at(Step::Front, &[EDGE_HELD, Need { name: "start", words: &["map"] }])
+        .help("Which way the front moves."),
     real("dt", "SFDT", |c| Some(Real(&mut c.dt)))
         .at(Step::Front, &[STEPPED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.longest_step())); 2])
@@ -408,6 +415,10 @@ const STARTS: &[Word] = &[
     word("threshold", "near the objects: outside the pixels above tau, or above Otsu's threshold without r3"),
     word("map", "where a map says"),
 ];
+const MOTIONS: &[Word] = &[
+    word("inward", "it shrinks from outside the map's pixels onto the objects"),
+    word("outward", "it grows from the map's pixels, the seeds, until edges hold it"),
+];
 const STOPS: &[Word] =
     &[word("paper", "by its change in a step"), word("rate", "per unit of time, and no pixel changes sign")];
 const SEPARATIONS: &[Word] = &[
@@ -600,6 +611,17 @@ fn set_start(config: &mut Config, value: Value) {
         (Some("map"), _) => Start::Given,
         _ => Start::Frame,
     };
+}
+
+fn motion(config: &Config) -> Option<Value> {
+    Some(Value::word(match config.motion {
+        Motion::Inward => "inward",
+        Motion::Outward => "outward",
+    }))
+}
+
+fn set_motion(config: &mut Config, value: Value) {
+    config.motion = if value.is("outward") { Motion::Outward } else { Motion::Inward };
 }
 
 fn band(config: &Config) -> Option<Value> {

@@ -1,6 +1,6 @@
 //! What a configuration must fulfil: the bounds of its parameters, and what an arithmetic can do.
 
-use super::{ChanVese, Config, Edge, Filter, Scheme, Select, Separate, Start, table};
+use super::{ChanVese, Config, Edge, Filter, Motion, Scheme, Select, Separate, Start, table};
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::error::Error;
 
@@ -67,6 +67,12 @@ impl Config {
         }
         if self.filter.is_stepped() && self.scheme == Scheme::Region {
             return apart("filter", self.filter.name(), "scheme", "fd");
+        }
+        if self.motion == Motion::Outward && self.start != Start::Given {
+            return apart("motion", "outward", "start", "map");
+        }
+        if self.motion == Motion::Outward && matches!(self.scheme, Scheme::Region | Scheme::ChanVese) {
+            return apart("motion", "outward", "scheme", "fd");
         }
         if self.filter.uses_front_plane() && self.start == Start::Given {
             return apart("filter", self.filter.name(), "start", "frame or threshold");

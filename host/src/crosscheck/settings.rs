@@ -57,7 +57,7 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::CurvatureForm::Printed => r::CurvatureForm::Printed,
         },
         degenerate_c: decimal(config.degenerate),
-        degenerate_s: 1.0,
+        degenerate_s: config.degenerate_power.into(),
         directions: config.directions.into(),
         dx: decimal(config.dx),
         dt: decimal(config.dt),

@@ -2,7 +2,7 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::{Normalize, Rescale, Scheme, Start, Tau};
+use crate::config::{Motion, Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
 use crate::front::march::March;
 use crate::front::scheme::{Evolve, Step};
@@ -59,6 +59,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::StartMark | Stage::StartUp | Stage::StartDown => self.start_row(y),
             Stage::Front => self.front_row(y).map_err(corrupted)?,
             Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => self.march_row(y),
+            Stage::Turn => {
+                for cell in row_of_mut(self.memory.front, width, y) {
+                    *cell = A::to_level(A::Real::ZERO - A::level(*cell));
+                }
+            }
             _ => self.label_row(y).map_err(corrupted)?,
         }
         Ok(())
@@ -75,6 +80,8 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     if !value.is_finite() {
                         return Err("the given front: a value is not finite");
                     }
+                    // Schemes lower the front: one that grows is moved upside down.
+                    let value = if self.config.motion == Motion::Outward { 0.0 - value } else { value };
                     *cell = A::to_level(A::Real::of(self.profile.saturate(value)));
                 }
             }

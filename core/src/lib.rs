@@ -7,6 +7,7 @@
 //! * [`front`]: edge detectors, the start, the schemes that move the front until it stops;
 //! * [`sources`]: components or the tree of level sets, deblending, significance, the catalogue;
 //! * [`track`](mod@track): stars in windows, where a star tracker expects them;
+//! * [`packet`]: what goes to the ground, in packets that are read one by one;
 //! * [`run`]: all steps in their order, in slices of bounded work, in memory that the caller
 //!   provides and whose size [`run::memory`] tells beforehand.
 //!
@@ -54,6 +55,8 @@ pub mod front;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod hal;
 pub mod image;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod packet;
 pub mod plane;
 pub mod run;
 pub mod simulate;

@@ -25,12 +25,14 @@ extern crate std;
 
 mod error;
 mod memory;
+mod packet;
 mod pointer;
 mod run;
 mod search;
 mod track;
 
 pub use error::*;
+pub use packet::*;
 pub use run::*;
 pub use search::*;
 pub use track::*;

@@ -8,6 +8,7 @@ pub(crate) mod beside;
 pub mod crew;
 pub mod field;
 pub mod grid;
+pub mod lattice;
 pub mod mask;
 pub mod part;
 #[deny(clippy::arithmetic_side_effects)]

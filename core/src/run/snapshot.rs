@@ -19,7 +19,7 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
 const STATE_WORDS: usize = 116;

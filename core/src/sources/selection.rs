@@ -13,7 +13,7 @@ use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
 use crate::plane::walk::Walk;
 use crate::sky::tail::Tail;
-use crate::sky::view::View;
+use crate::sky::view::{Known, View};
 use crate::sources::significance::height;
 use crate::sources::tree::Region;
 
@@ -32,6 +32,12 @@ const NARROW_SHARPENING: f32 = 3.0;
 const STANDS_OUT: f32 = 1.2;
 /// It needs this part of the smallest peak and light.
 const LENIENCY: f32 = 0.5;
+/// The noise of the matched image where that of every pixel is 1 and its own.
+const WHITE: f32 = 0.219_635;
+/// The same of the narrow image.
+const NARROW_WHITE: f32 = 0.519_534;
+/// So many deviations of the noise that the caller knows of, and the frame does not have, could take light away.
+const UNSEEN: f32 = 2.0;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
 const CUTS: u32 = 4;
 
@@ -62,14 +68,38 @@ pub struct Cut {
     /// In the noise of the image; 0 where none is asked for.
     pub significance: f32,
     /// The noise of the matched image.
-    pub noise: f32,
+    matched: Noise,
     /// The noise of the narrow image.
-    pub narrow_noise: f32,
+    narrow: Noise,
 }
 
 impl Cut {
     /// Every peak will do.
-    pub const NONE: Cut = Cut { significance: 0.0, noise: 1.0, narrow_noise: 1.0 };
+    pub const NONE: Cut = Cut { significance: 0.0, matched: Noise::ONE, narrow: Noise::ONE };
+}
+
+/// The noise of an image in which peaks are sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Noise {
+    /// What is measured, or what the given noise of the pixels would make of it where that is more.
+    size: f32,
+    /// How much less is measured.
+    unseen: f32,
+}
+
+impl Noise {
+    const ONE: Noise = Noise { size: 1.0, unseen: 0.0 };
+
+    /// Noise as measured in an image to which independent pixels of noise 1 bring `white`.
+    fn of(measured: f32, white: f32, known: Known<'_>) -> Noise {
+        let white = if known.noise.is_some() && !known.relative { white } else { 0.0 };
+        Noise { size: measured.greatest(white), unseen: (white - measured).positive() }
+    }
+
+    /// How many times `height` noise units a value is.
+    fn times(&self, value: f32, height: f32) -> f32 {
+        if self.size > 0.0 { (value - UNSEEN * self.unseen) / (height * self.size) } else { f32::MAX }
+    }
 }
 
 /// Sources that are kept.
@@ -106,9 +136,13 @@ impl<L: Level> Cutting<L> {
         for tail in [&mut self.narrow, &mut self.matched, &mut self.slope] {
             tail.code(codec)?;
         }
-        let Cut { significance, noise, narrow_noise } = &mut self.cut;
-        for real in [&mut self.allowed, significance, noise, narrow_noise] {
+        let Cut { significance, matched, narrow } = &mut self.cut;
+        for real in [&mut self.allowed, significance] {
             codec.real(real)?;
+        }
+        for Noise { size, unseen } in [matched, narrow] {
+            codec.real(size)?;
+            codec.real(unseen)?;
         }
         Ok(())
     }
@@ -142,11 +176,13 @@ pub(crate) fn cut<L: Level, P: Sample>(
     view.tail(walk, (&mut cutting.slope, questions), step, work.masked, work.keys.again())?;
     let Cutting { narrow, matched: tail, slope, allowed, cut } = cutting;
     let [noise, narrow_noise, slope] = [tail.noise, narrow.noise, slope.noise].map(L::to_f32);
+    let matched = Noise::of(noise, WHITE, view.known);
+    let narrow = Noise::of(narrow_noise, NARROW_WHITE, view.known);
     let roughness = if noise > 0.0 { slope / noise } else { 0.0 };
     let (columns, rows) = view.image();
     let elements = (columns * rows) as f32 * roughness * roughness;
     walk.once(1, || {
-        *cut = Cut { significance: 0.0, noise, narrow_noise };
+        *cut = Cut { significance: 0.0, matched, narrow };
         *allowed = config.significance.false_sources;
     })?;
     // What reaches how far can only be told in the noise of all parts.
@@ -273,9 +309,8 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
             && region.value >= L::of(part * peak)
             && region.sum >= L::share(L::ONE.times(1), part * light)
     };
-    let over = |value: f32, noise: f32| if noise > 0.0 { value / noise } else { f32::MAX };
-    let matched = over(region.value.to_f32(), cut.noise);
-    let narrow = over(region.offsets.0, STANDS_OUT * cut.narrow_noise);
+    let matched = cut.matched.times(region.value.to_f32(), 1.0);
+    let narrow = cut.narrow.times(region.offsets.0, STANDS_OUT);
     if enough(1.0, least_area) {
         matched
     } else if !divided && enough(LENIENCY, narrow_area(config.min_area)) {
@@ -307,4 +342,49 @@ pub(crate) fn keep<L: Level>(
             kept.pixels += u32::from(*label != 0);
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::crew::Alone;
+    use crate::plane::smooth::ROOM_ROWS;
+
+    extern crate std;
+
+    /// The noise that independent pixels of noise 1 bring to a filtered image: the root of the sum of the squares of
+    /// what becomes of one pixel.
+    #[test]
+    fn white_noise_is_what_the_filters_make_of_one_pixel() {
+        const SIDE: usize = 64;
+        let grid = Grid::of(SIDE * SIDE, SIDE).unwrap();
+        let mut one = std::vec![0.0f32; SIDE * SIDE];
+        one[SIDE / 2 * SIDE + SIDE / 2] = 1.0;
+        for (wide, strength, white) in [(WIDE, SHARPENING, WHITE), (NARROW_WIDE, NARROW_SHARPENING, NARROW_WHITE)] {
+            let (mut plane, mut room) = (one.clone(), std::vec![0.0; ROOM_ROWS * SIDE]);
+            Weights::gauss(MATCHED).apply(&one, &mut room, &mut plane, grid, &Alone);
+            Weights::gauss(wide).sharpen(&mut plane, &mut room, grid, strength, &Alone);
+            let power: f64 = plane.iter().map(|&value| f64::from(value).powi(2)).sum();
+            assert!((power.sqrt() / f64::from(white) - 1.0).abs() < 1e-5, "{} beside {white}", power.sqrt());
+        }
+    }
+
+    #[test]
+    fn noise_that_is_given_is_believed_where_the_frame_has_less() {
+        let map = [1.0];
+        let given = Known { noise: Some(&map), ..Known::default() };
+        for (known, measured, size, unseen) in [
+            (Known::default(), 0.1, 0.1, 0.0),
+            (Known { relative: true, ..given }, 0.1, 0.1, 0.0),
+            (given, 0.8, 0.8, 0.0),
+            (given, 0.1, 0.5, 0.4),
+            (given, 0.0, 0.5, 0.5),
+        ] {
+            assert_eq!(Noise::of(measured, 0.5, known), Noise { size, unseen });
+        }
+        // Twice what is unseen could take light away.
+        let noise = Noise::of(0.1, 0.5, given);
+        assert_eq!((noise.times(3.3, 1.0), noise.times(3.3, 5.0)), (5.0, 1.0));
+        assert_eq!(Noise::of(0.0, 0.5, Known::default()).times(1.0, 1.2), f32::MAX);
+    }
 }

@@ -327,6 +327,8 @@ pub unsafe extern "C" fn skyfront_search_restore(
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::arithmetic_side_effects, clippy::expect_used, clippy::indexing_slicing)]
+
     extern crate std;
     use super::*;
     use crate::error::SKYFRONT_ERROR_FRAME_CHANGED;

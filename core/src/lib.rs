@@ -31,6 +31,8 @@
 #![doc = concat!("```\n", include_str!("../examples/front_in_slices.rs"), "```\n")]
 //! `default`: what finds most, in four planes, two lists, a mesh and a table of regions.
 #![doc = concat!("```\n", include_str!("../examples/default.rs"), "```\n")]
+//! `default_in_slices`: the same over a camera's buffer, a few rows of work per poll.
+#![doc = concat!("```\n", include_str!("../examples/default_in_slices.rs"), "```\n")]
 //! `front_on_signal`: both together, the front of the paper over the default's signal-to-noise.
 #![doc = concat!("```\n", include_str!("../examples/front_on_signal.rs"), "```\n")]
 //! `snapshot`: a run that ends elsewhere than it began.

@@ -122,6 +122,16 @@
 #define SKYFRONT_ERROR_TABLE 19
 
 /*
+ A snapshot was not taken up, and the run that was to take it up has lost its memory.
+ */
+#define SKYFRONT_ERROR_NOT_RESTORED 20
+
+/*
+ The frame was changed by others while the run read it.
+ */
+#define SKYFRONT_ERROR_FRAME_CHANGED 21
+
+/*
  The least bytes of a packet.
  */
 #define SKYFRONT_PACKET_LEAST_BYTES 64

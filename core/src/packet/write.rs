@@ -214,7 +214,7 @@ fn cutout<P: Pixel>(cursor: &mut Cursor, frame: &Raster<'_, P>, window: &Window,
     for number in [cursor.item as usize, x, y, columns, rows, first, count] {
         packet.short(number as u16);
     }
-    let all = (y..y.saturating_add(rows)).flat_map(|y| frame.row(y, x..x.saturating_add(columns)));
+    let all = (y..y.saturating_add(rows)).flat_map(|y| frame.part(y, x..x.saturating_add(columns)));
     for pixel in all.skip(first).take(count) {
         packet.put(pixel.count().to_le_bytes().get(..each).unwrap_or(&[]));
     }

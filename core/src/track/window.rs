@@ -1,8 +1,8 @@
 //! A window on the frame: which of its pixels can be used, its sky, and where its star begins.
 
-use super::frame::{BadPixel, Pixel, Raster};
 use super::{Camera, EDGE, SIDES};
 use crate::error::Error;
+use crate::plane::raster::{BadPixel, Pixel, Raster};
 
 /// Where a star is expected, and how far around to look.
 #[repr(C)]
@@ -171,7 +171,7 @@ impl<'a, P: Pixel> View<'a, P> {
     #[inline(always)]
     pub fn row(&self, y: usize) -> &'a [P] {
         let x = self.origin.0;
-        self.frame.row(self.origin.1.saturating_add(y), x..x.saturating_add(self.size.0))
+        self.frame.part(self.origin.1.saturating_add(y), x..x.saturating_add(self.size.0))
     }
 
     /// Which pixels of a row are left out.

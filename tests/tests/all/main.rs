@@ -40,6 +40,7 @@ mod rooms;
 mod rules;
 mod rules_default;
 mod scores;
+mod seeds;
 mod settings;
 mod sky;
 mod snapshots;

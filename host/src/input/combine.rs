@@ -5,15 +5,16 @@ use crate::background::SkyMaps;
 use crate::read::Image;
 use crate::sky::Sky;
 
-/// How images are combined, each as signal-to-noise of its own: less the sky of its mesh, over the noise.
+/// How images are combined, each as signal-to-noise of its own: less the sky of its mesh, over the
+/// noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Combine {
     /// Their sum weighted by 1 / noise^2, over its own noise: best for sources as bright in each.
     #[default]
     Weighted,
-    /// The root of the sum of their squares (Szalay, Connolly, Szokoly 1999, doi:10.1086/300689): for
-    /// sources of any colour.
+    /// The root of the sum of their squares (Szalay, Connolly, Szokoly 1999, doi:10.1086/300689):
+    /// for sources of any colour.
     Chi2,
 }
 
@@ -56,7 +57,8 @@ impl Combine {
     }
 }
 
-/// Whether an image lies where another of its size does on the sky, as far as both say where they lie.
+/// Whether an image lies where another of its size does on the sky, as far as both say where they
+/// lie.
 pub(super) fn same_field(image: &Image, other: &Image, file: &str) -> Result<(), Reason> {
     let [one, two] = [image, other].map(|image| Sky::of(&image.header).ok().flatten());
     let (Some(one), Some(two)) = (one, two) else { return Ok(()) };
@@ -97,8 +99,8 @@ mod tests {
         image((0..width * width).map(|at| level + scale * (normal() + value(at))).collect(), width)
     }
 
-    /// Two bands of noise 1 and 1/2 in which a block is 4 and 8 bright add up to sqrt(4^2 + 16^2) either way where
-    /// the colours are those that the weights suppose.
+    /// Two bands of noise 1 and 1/2 in which a block is 4 and 8 bright add up to sqrt(4^2 + 16^2)
+    /// either way where the colours are those that the weights suppose.
     #[test]
     fn signals_add_up_as_their_weights_say() {
         let bands = [band(1, 100.0, 1.0, 4.0), band(2, -3.0, 0.5, 8.0)];

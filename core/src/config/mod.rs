@@ -342,6 +342,14 @@ impl Config {
     /// level sets, and kept by its significance; one setting for every kind of sky.
     pub const NOISE_AWARE: Config = Config { scheme: Scheme::Region, ..Config::RSA };
 
+    /// The default for frames of stars that a tracker is to recognise: those that stand out well, their light
+    /// not drawn aside by what is faint around them, without steps that only faint and wide sources need.
+    pub const STAR_TRACKER: Config = Config {
+        filter: Filter::Gauss,
+        outline: Outline { threshold: 2.0, steps: 0, ..Outline::DEFAULT },
+        ..Config::NOISE_AWARE
+    };
+
     /// The paper's front with what the default knows: its sky, its filter, its separation and its
     /// selection.
     pub const RSA: Config = Config {

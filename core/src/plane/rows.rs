@@ -1,5 +1,7 @@
 //! The rows of a plane.
 
+use core::ops::Range;
+
 /// Row `y` of a row-major plane; empty beyond its end.
 #[inline]
 pub fn row_of<T>(plane: &[T], width: usize, y: usize) -> &[T] {
@@ -12,6 +14,18 @@ pub fn row_of<T>(plane: &[T], width: usize, y: usize) -> &[T] {
 pub fn row_of_mut<T>(plane: &mut [T], width: usize, y: usize) -> &mut [T] {
     let start = y.saturating_mul(width);
     plane.get_mut(start..start.saturating_add(width)).unwrap_or(&mut [])
+}
+
+/// Some rows of a row-major plane; none where not all of them are there.
+#[inline]
+pub fn rows_of<'p, T>(plane: &'p [T], rows: &Range<usize>, width: usize) -> &'p [T] {
+    plane.get(rows.start.saturating_mul(width)..rows.end.saturating_mul(width)).unwrap_or(&[])
+}
+
+/// Some rows of a row-major plane, to write to; none where not all of them are there.
+#[inline]
+pub fn rows_of_mut<'p, T>(plane: &'p mut [T], rows: &Range<usize>, width: usize) -> &'p mut [T] {
+    plane.get_mut(rows.start.saturating_mul(width)..rows.end.saturating_mul(width)).unwrap_or(&mut [])
 }
 
 /// Cells that are looked at together for a bit.
@@ -45,7 +59,12 @@ pub fn last_with(plane: &[u32], end: usize, bits: u32) -> Option<usize> {
 
 /// The cells that are not 0, with their indices.
 pub fn used(plane: &[u32]) -> impl Iterator<Item = (usize, u32)> {
-    let mut next = 0;
+    used_in(plane, 0..plane.len())
+}
+
+/// The same of some of the cells.
+pub fn used_in(plane: &[u32], cells: Range<usize>) -> impl Iterator<Item = (usize, u32)> {
+    let (mut next, plane) = (cells.start, plane.get(..cells.end).unwrap_or(&[]));
     core::iter::from_fn(move || {
         let at = next_with(plane, next, u32::MAX)?;
         next = at + 1;

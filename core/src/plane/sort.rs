@@ -5,49 +5,72 @@
 //! 32 bits; of single precision -0 and +0 are neighbours.
 
 use crate::arithmetic::Level;
-
-/// Values of a byte.
-const BYTES: usize = 256;
+use crate::plane::walk::Walk;
+use core::ops::Range;
 
 /// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements.
 /// Cost: a look at each item and its key, and two for each byte of the distance from the least key to the greatest.
 pub fn by_key(items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) {
-    let spare = spare.get_mut(..items.len()).unwrap_or(&mut []);
-    let wider = |(least, greatest): (u32, u32), &item: &u32| (key(item).min(least), key(item).max(greatest));
-    let (least, greatest) = items.iter().fold((u32::MAX, 0), wider);
-    let (mut from, mut to) = (items, spare);
-    let (mut shift, mut is_elsewhere) = (0, false);
-    while shift < u32::BITS && greatest.saturating_sub(least) >> shift > 0 {
-        by_byte(from, to, |item| (key(item).wrapping_sub(least) >> shift) as u8);
-        core::mem::swap(&mut from, &mut to);
-        is_elsewhere = !is_elsewhere;
-        shift += u8::BITS;
-    }
-    if is_elsewhere {
-        to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = *from);
-    }
+    // The whole of it is always done.
+    let _ = by_key_in(&mut Walk::whole(), items, spare, key);
 }
 
-/// Sorts by a byte.
-fn by_byte(from: &[u32], to: &mut [u32], byte: impl Fn(u32) -> u8) {
-    let mut places = [0u32; BYTES];
-    for &item in from {
-        if let Some(count) = places.get_mut(usize::from(byte(item))) {
-            *count = count.wrapping_add(1);
-        }
-    }
-    let mut before = 0u32;
-    for place in &mut places {
-        (*place, before) = (before, before.wrapping_add(*place));
-    }
-    for &item in from {
-        if let Some(place) = places.get_mut(usize::from(byte(item))) {
-            if let Some(out) = to.get_mut(*place as usize) {
-                *out = item;
+/// The same in parts.
+pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) -> Option<()> {
+    let (count, spare) = (items.len(), spare.get_mut(..items.len()).unwrap_or(&mut []));
+    walk.tally(count, 1, |tally, range| {
+        let wider = |(least, greatest): (u32, u32), &item: &u32| (key(item).min(least), key(item).max(greatest));
+        let known = if range.start == 0 { (u32::MAX, 0) } else { tally.keys };
+        tally.keys = part_of(items, range).iter().fold(known, wider);
+    })?;
+    let (least, greatest) = walk.tally.keys;
+    let distance = greatest.saturating_sub(least);
+    let (mut from, mut to) = (items, spare);
+    for shift in [0, 8, 16, 24] {
+        let (is_needed, last) = (distance >> shift > 0, count.saturating_sub(1));
+        let byte = |item: u32| usize::from((key(item).wrapping_sub(least) >> shift) as u8);
+        let count = if is_needed { count } else { 0 };
+        walk.tally(count, 1, |tally, range| {
+            if range.start == 0 {
+                tally.places.fill(0);
             }
-            *place = place.wrapping_add(1);
+            let is_last = range.end > last;
+            for &item in part_of(from, range) {
+                if let Some(count) = tally.places.get_mut(byte(item)) {
+                    *count = count.wrapping_add(1);
+                }
+            }
+            if is_last {
+                let mut before = 0u32;
+                for place in &mut tally.places {
+                    (*place, before) = (before, before.wrapping_add(*place));
+                }
+            }
+        })?;
+        walk.tally(count, 1, |tally, range| {
+            for &item in part_of(from, range) {
+                if let Some(place) = tally.places.get_mut(byte(item)) {
+                    if let Some(out) = to.get_mut(*place as usize) {
+                        *out = item;
+                    }
+                    *place = place.wrapping_add(1);
+                }
+            }
+        })?;
+        if is_needed {
+            core::mem::swap(&mut from, &mut to);
         }
     }
+    // Sorted by one byte or three, they lie in the spare room.
+    let is_elsewhere = (distance > 0 && distance >> 8 == 0) || (distance >> 16 > 0 && distance >> 24 == 0);
+    walk.pass(if is_elsewhere { count } else { 0 }, 1, |range| {
+        let places = to.iter_mut().zip(from.iter()).take(range.end).skip(range.start);
+        places.for_each(|(to, from)| *to = *from);
+    })
+}
+
+fn part_of(items: &[u32], range: Range<usize>) -> &[u32] {
+    items.get(range).unwrap_or(&[])
 }
 
 /// Sorts a few items by insertion; `precedes` says whether one comes before another.
@@ -100,6 +123,32 @@ impl Keys<'_> {
             }
         });
         self.sort(count)
+    }
+
+    /// The same in parts, of the values of so many items, each with the work of `cost` cells.
+    pub(crate) fn gather<L: Level, V: Iterator<Item = L>>(
+        &mut self,
+        walk: &mut Walk,
+        (items, cost): (usize, usize),
+        values: impl FnOnce(Range<usize>) -> V,
+    ) -> Option<&[u32]> {
+        walk.tally(items, cost, |tally, range| {
+            if range.start == 0 {
+                tally.count = 0;
+            }
+            let mut free = self.0.get_mut(tally.count..).unwrap_or(&mut []).iter_mut();
+            // From within, which of nested iterators makes nested loops.
+            values(range).for_each(|value| {
+                if let Some(out) = free.next() {
+                    *out = value.key();
+                    tally.count = tally.count.saturating_add(1);
+                }
+            });
+        })?;
+        let count = walk.tally.count.min(self.0.len());
+        let keys = self.0.get_mut(..count).unwrap_or(&mut []);
+        by_key_in(walk, keys, self.1, |key| key)?;
+        Some(keys)
     }
 
     /// Sorts the first keys that were laid there, the least first.

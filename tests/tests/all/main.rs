@@ -50,6 +50,7 @@ mod speed;
 mod symmetry;
 mod thresholds;
 mod track;
+mod upset_table;
 mod upsets;
 mod wrappings;
 mod zoo;

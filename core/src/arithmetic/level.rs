@@ -57,7 +57,8 @@ impl Level for f32 {
 
     #[inline(always)]
     fn whole(pixels: usize) -> f32 {
-        pixels as f32
+        // No side has 2^31 pixels.
+        pixels as u32 as f32
     }
 
     #[inline(always)]

@@ -4,6 +4,7 @@ use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
 use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
+use crate::plane::mask::WORD;
 use crate::plane::part::{CELL_WORDS, Question, Whole};
 use crate::plane::sort::{self, Keys};
 use core::num::NonZero;
@@ -30,6 +31,31 @@ pub enum Seen {
     Source,
     /// Sky.
     Sky,
+}
+
+/// What some pixels are, a bit for each, the lowest for the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Words {
+    /// Those of which something is known.
+    pub defined: u32,
+    /// Those of sky.
+    pub sky: u32,
+}
+
+impl Words {
+    /// By the number of the bit.
+    pub fn of(seen: impl Fn(usize) -> Seen) -> Words {
+        (0..WORD).rev().map(seen).fold(Words { defined: 0, sky: 0 }, |Words { defined, sky }, seen| Words {
+            defined: defined << 1 | u32::from(seen != Seen::Undefined),
+            sky: sky << 1 | u32::from(seen == Seen::Sky),
+        })
+    }
+
+    /// The first so many of them.
+    fn first(self, count: usize) -> Words {
+        let those = u32::MAX.checked_shl(count as u32).map_or(u32::MAX, |rest| !rest);
+        Words { defined: self.defined & those, sky: self.sky & those }
+    }
 }
 
 /// How a measurement went.
@@ -110,15 +136,16 @@ impl<'m> Mesh<'m> {
         values: &Values,
         keys: Keys<'_>,
     ) -> Survey {
-        self.measure_by(&Alone, pixels, seen, values, keys)
+        self.measure_by(&Alone, pixels, |first| Words::of(|bit| seen(first + bit)), values, keys)
     }
 
-    /// The same by a crew, of which as many work as `keys` has room for, [`cell_pixels`] each.
-    pub fn measure_by(
+    /// The same by a crew, of which as many work as `keys` has room for, [`cell_pixels`] each; `seen` tells of
+    /// [`WORD`] pixels at a time, from a first one on.
+    pub(crate) fn measure_by(
         &mut self,
         crew: &impl Crew,
         pixels: &[f32],
-        seen: impl Fn(usize) -> Seen + Sync,
+        seen: impl Fn(usize) -> Words + Sync,
         values: &Values,
         keys: Keys<'_>,
     ) -> Survey {
@@ -309,23 +336,39 @@ fn keys_of_sky(
     pixels: &[f32],
     width: usize,
     [left, right, bottom, top]: [usize; 4],
-    seen: &impl Fn(usize) -> Seen,
+    seen: &impl Fn(usize) -> Words,
     keys: &mut Keys<'_>,
 ) -> Count {
     let mut count = Count { all: (right - left) * (top - bottom), ..Count::default() };
+    // Adding 0 gives both zeros one key.
+    let key = |pixel: &f32| (pixel + 0.0).key();
     for first in (bottom..top).map(|y| y * width + left) {
         let row = pixels.get(first..first + (right - left)).unwrap_or(&[]);
-        for (at, &pixel) in (first..).zip(row) {
-            let seen = seen(at);
-            if let Some(free) = keys.0.get_mut(count.sky) {
-                // Adding 0 gives both zeros one key.
-                *free = (pixel + 0.0).key();
+        for (first, pixels) in (first..).step_by(WORD).zip(row.chunks(WORD)) {
+            let Words { defined, sky } = seen(first).first(pixels.len());
+            let free = keys.0.get_mut(count.sky..).unwrap_or(&mut []);
+            if sky.count_ones() as usize == pixels.len() {
+                free.iter_mut().zip(pixels).for_each(|(free, pixel)| *free = key(pixel));
+            } else {
+                lay(pixels.iter().map(key), sky, free);
             }
-            count.defined += usize::from(seen != Seen::Undefined);
-            count.sky += usize::from(seen == Seen::Sky);
+            count.defined += defined.count_ones() as usize;
+            count.sky += sky.count_ones() as usize;
         }
     }
     count
+}
+
+/// Lays the keys that have their bit, without asking for each.
+fn lay(keys: impl Iterator<Item = u32>, mut bits: u32, free: &mut [u32]) {
+    let mut next = 0;
+    for key in keys {
+        if let Some(free) = free.get_mut(next) {
+            *free = key;
+        }
+        next += (bits & 1) as usize;
+        bits >>= 1;
+    }
 }
 
 /// The pixels of a cell, row by row.

@@ -11,7 +11,7 @@ use crate::plane::sort::{Keys, median};
 use crate::sky::spike::clean;
 use crate::sky::tail::Tail;
 use crate::sky::view::{Known, View};
-use crate::sky::{Mesh, Seen, Sky, Survey};
+use crate::sky::{Mesh, Seen, Sky, Survey, Words};
 
 /// Smoothing goes on where the change is below this, in its noise.
 const LEPSKI: f32 = 1.7;
@@ -63,7 +63,11 @@ pub fn measure<L: Level>(
     };
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
     let survey = match known.whole {
-        None => mesh.measure_by(crew, pixels, seen, &values, keys.again()),
+        None if all_defined => {
+            let words = |first: usize| Words { defined: u32::MAX, sky: !masked.word(first) };
+            mesh.measure_by(crew, pixels, words, &values, keys.again())
+        }
+        None => mesh.measure_by(crew, pixels, |first| Words::of(|bit| seen(first + bit)), &values, keys.again()),
         // Nothing can be done before it is known.
         Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
             Some(survey) => survey,

@@ -104,7 +104,7 @@ impl Values {
             values.greatest = most.value;
             values.saturated = count >= SATURATED_FROM && most.count * PILE_SHARE > count;
         }
-        values.span(whole, pixels, width, |at| observed(&at))?;
+        values.span(whole, pixels, width, allowed)?;
         Some(values)
     }
 
@@ -121,29 +121,38 @@ impl Values {
         whole: Option<&dyn Whole>,
         pixels: &[f32],
         width: usize,
-        observed: impl Fn(usize) -> bool,
+        allowed: impl Fn(usize) -> bool,
     ) -> Option<()> {
         let part = whole.map(Whole::part);
         let all = (0..width, 0..pixels.len().div_ceil(width.max(1)));
         let (columns, rows) = part.map_or(all, |part| (part.columns, part.rows));
-        let (mut least, mut greatest) = (f32::MAX, f32::MIN);
+        let mut range = Range { least: f32::MAX, greatest: f32::MIN };
         for (y, row) in pixels.chunks(width.max(1)).enumerate().take(rows.end).skip(rows.start) {
             // A part sees the pixel that its neighbour has on the left.
+            let first = columns.start.saturating_sub(1);
+            let row = row.get(first..columns.end.min(row.len())).unwrap_or(&[]);
+            let own = (columns.start - first).min(row.len());
+            let holds = |(x, &pixel): (usize, &f32)| self.holds(pixel) & allowed(y * width + x);
+            if (first..).zip(row).fold(true, |all, pixel| all & holds(pixel)) {
+                self.defined += (row.len() - own) as u32;
+                range = range.with(row);
+                continue;
+            }
             let mut before = None;
-            for (x, &pixel) in row.iter().enumerate().take(columns.end).skip(columns.start.saturating_sub(1)) {
-                let seen = observed(y * width + x);
+            for (x, &pixel) in (first..).zip(row) {
+                let seen = pixel.is_finite() && allowed(y * width + x);
                 let defined = seen && self.holds(pixel);
                 if x >= columns.start {
                     self.defined += u32::from(defined);
                     self.filled += u32::from(seen && !defined);
                     if let (Some(before), true) = (before, defined) {
-                        least = least.least(pixel.greatest(before));
-                        greatest = greatest.greatest(pixel.least(before));
+                        range = range.with(&[before, pixel]);
                     }
                 }
                 before = defined.then_some(pixel);
             }
         }
+        let Range { mut least, mut greatest } = range;
         if let Some(whole) = whole {
             let counts = [f64::from(self.defined), f64::from(self.filled), 0.0, 0.0];
             let own = |value: f32| [value.key()].into_iter().filter(move |_| least < f32::MAX);
@@ -159,6 +168,36 @@ impl Values {
             self.resolution = greatest * RESOLUTION - least * RESOLUTION;
         }
         Some(())
+    }
+}
+
+/// What neighbours in a row reach together.
+#[derive(Clone, Copy)]
+struct Range {
+    least: f32,
+    greatest: f32,
+}
+
+impl Range {
+    /// With the neighbours of a piece of a row.
+    fn with(self, row: &[f32]) -> Range {
+        const LANES: usize = 8;
+        let (mut least, mut greatest) = ([self.least; LANES], [self.greatest; LANES]);
+        let mut take = |before: &[f32], after: &[f32]| {
+            let lanes = least.iter_mut().zip(&mut greatest).zip(before.iter().zip(after));
+            for ((least, greatest), (&before, &after)) in lanes {
+                *least = least.least(after.greatest(before));
+                *greatest = greatest.greatest(after.least(before));
+            }
+        };
+        let (before, after) = (row.get(..row.len().saturating_sub(1)).unwrap_or(&[]), row.get(1..).unwrap_or(&[]));
+        let ((before, last_before), (after, last_after)) = (before.as_chunks::<LANES>(), after.as_chunks::<LANES>());
+        before.iter().zip(after).for_each(|(before, after)| take(before, after));
+        take(last_before, last_after);
+        Range {
+            least: least.into_iter().fold(self.least, f32::least),
+            greatest: greatest.into_iter().fold(self.greatest, f32::greatest),
+        }
     }
 }
 

@@ -77,7 +77,7 @@ pub fn shape<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &mut [Regio
     for (at, label) in used(labels) {
         if let Some(region) = region_of(regions, label) {
             let (place, centre) = (field.place(at), region.centre);
-            let [x, y] = [place.0 - centre.0, place.1 - centre.1].map(L::to_f32);
+            let (x, y) = ((place.0 - centre.0).to_f32(), (place.1 - centre.1).to_f32());
             // As a part of the peak's: however bright, the sums stay finite.
             let light = field.at(at).positive().to_f32().ratio(field.at(region.peak as usize).to_f32());
             region.plateau += light * (x * x + y * y);

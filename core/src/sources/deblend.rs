@@ -5,7 +5,7 @@ use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
-use crate::plane::rows::{last_with, next_with};
+use crate::plane::rows::next_with;
 use crate::sky::photon::grown;
 use crate::sources::tree::{Count, Noise, Region};
 use crate::sources::typical::Typical;
@@ -261,42 +261,73 @@ fn add<L: Level>(field: Field<'_, L>, group: Region<L>, host: u32, regions: &mut
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
 /// `OTHER` times the other's own light. Where that is not known, the pixel stays.
 pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], sweeps: u32) {
-    let other_from = L::Weight::of(OTHER);
+    let pieces = labels.len().div_ceil(PIECE);
     for sweep in 0..sweeps {
-        let (mut changed, mut next) = (false, 0);
-        let forwards = sweep % 2 == 0;
-        while let Some(index) =
-            if forwards { next_with(labels, next, u32::MAX) } else { last_with(labels, labels.len() - next, u32::MAX) }
-        {
-            let at = index;
-            next = if forwards { at + 1 } else { labels.len() - at };
-            let own = label_at(labels, at);
-            if is_alone(labels, field.grid, at) {
+        let (mut changed, forwards) = (false, sweep % 2 == 0);
+        for piece in 0..pieces {
+            let first = PIECE * if forwards { piece } else { pieces - 1 - piece };
+            let end = labels.len().min(first + PIECE);
+            if are_alone(labels, field.grid, (first, end)) {
                 continue;
             }
-            let mut best = own;
-            for near in field.grid.touching(at, 4) {
-                let other = label_at(labels, near);
-                if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
-                    continue;
+            for index in first..end {
+                let at = if forwards { index } else { end - 1 - (index - first) };
+                let own = label_at(labels, at);
+                let best = if own == 0 { 0 } else { best_for(field, labels, regions, at) };
+                if best != own
+                    && let Some(label) = labels.get_mut(at)
+                {
+                    *label = best;
+                    changed = true;
                 }
-                let brighter = light_of(regions, best) >= light_of(regions, other);
-                let (bright, faint) = if brighter { (best, other) } else { (other, best) };
-                if let Some(host) = own_light(field, labels, regions, bright, at) {
-                    best = if field.at(at) > host.scaled(other_from) { faint } else { bright };
-                }
-            }
-            if best != own
-                && let Some(label) = labels.get_mut(at)
-            {
-                *label = best;
-                changed = true;
             }
         }
         if !changed {
             break;
         }
     }
+}
+
+/// The source to which a source's pixel belongs.
+fn best_for<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>], at: usize) -> u32 {
+    let mut best = label_at(labels, at);
+    if is_alone(labels, field.grid, at) {
+        return best;
+    }
+    for near in field.grid.touching(at, 4) {
+        let other = label_at(labels, near);
+        if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
+            continue;
+        }
+        let brighter = light_of(regions, best) >= light_of(regions, other);
+        let (bright, faint) = if brighter { (best, other) } else { (other, best) };
+        if let Some(host) = own_light(field, labels, regions, bright, at) {
+            best = if field.at(at) > host.scaled(L::Weight::of(OTHER)) { faint } else { bright };
+        }
+    }
+    best
+}
+
+/// Whether no source's pixel of a piece of the plane touches another along an edge; where the plane ends it may not be
+/// told.
+fn are_alone(labels: &[u32], grid: Grid, (first, end): (usize, usize)) -> bool {
+    let own = labels.get(first..end).unwrap_or(&[]);
+    if own.iter().fold(0, |any, label| any | label) == 0 {
+        return true;
+    }
+    let width = grid.width.get();
+    let (before, below) = (first.checked_sub(1), first.checked_sub(width));
+    let beside = |first: Option<usize>| labels.get(first?..)?.get(..own.len());
+    let (Some(left), Some(right), Some(below), Some(above)) =
+        (beside(before), beside(Some(first + 1)), beside(below), beside(Some(first + width)))
+    else {
+        return false;
+    };
+    let near = left.iter().zip(right).zip(below.iter().zip(above));
+    let other = |own: u32, near: u32| (near != 0) & (near != own);
+    !own.iter().zip(near).fold(false, |any, (&own, ((&left, &right), (&below, &above)))| {
+        any | ((own != 0) & (other(own, left) | other(own, right) | other(own, below) | other(own, above)))
+    })
 }
 
 /// Whether a pixel within the frame touches no other source along an edge.
@@ -332,7 +363,7 @@ const PIECE: usize = 16;
 /// Straightens a row between its neighbours, all as they were before.
 fn straighten_row(labels: &mut [u32], rows: [&[u32]; 3]) {
     for (first, labels) in (0..).step_by(PIECE).zip(labels.chunks_mut(PIECE)) {
-        if is_one(rows, first, labels.len()) {
+        if is_one(rows, first, labels.len()) || all_stay(rows, first) {
             continue;
         }
         for (x, label) in (first..).zip(labels) {
@@ -345,6 +376,31 @@ fn straighten_row(labels: &mut [u32], rows: [&[u32]; 3]) {
             }
         }
     }
+}
+
+/// A piece with a column on either side.
+const WINDOW: usize = PIECE + 2;
+
+/// Whether every pixel of a whole piece has three neighbours of its own, which are enough to stay; at the ends of a
+/// row it may not be told.
+fn all_stay(rows: [&[u32]; 3], first: usize) -> bool {
+    let window = |row: &[u32]| row.get(first.wrapping_sub(1)..)?.first_chunk::<WINDOW>().copied();
+    let windows = rows.map(window);
+    let [Some(_), Some(own), Some(_)] = windows else { return false };
+    let piece = |row: &[u32; WINDOW], from: usize| {
+        row.get(from..).and_then(<[u32]>::first_chunk::<PIECE>).copied().unwrap_or([0; PIECE])
+    };
+    let (own, mut same) = (piece(&own, 1), [0; PIECE]);
+    for row in windows.iter().flatten() {
+        for from in 0..3 {
+            let near = piece(row, from);
+            for ((same, near), own) in same.iter_mut().zip(near).zip(own) {
+                *same += u32::from(near == own);
+            }
+        }
+    }
+    // Each is its own neighbour here.
+    same.iter().fold(true, |all, &same| all & (same > 3))
 }
 
 /// Whether a piece of the middle row and all around it has one label: most of an image has none.

@@ -200,7 +200,8 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
             }
             Stage::Deblend => {
-                self.count = separate::deblend(known, grid, config, self.noise, self.count, &mut work.separation());
+                let mut planes = work.separation();
+                self.count = separate::deblend(known, grid, config, self.noise, self.count, &mut planes, crew);
                 drop_undefined(view, work.labels);
             }
             Stage::Components => {

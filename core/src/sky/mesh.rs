@@ -291,6 +291,7 @@ impl<'m> Mesh<'m> {
     }
 
     /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
+    #[inline(always)]
     pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
         let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
         let cell = |row: usize, column: usize| Self::cell(self.cells, row * columns + column);

@@ -1,5 +1,6 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
+use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
@@ -88,7 +89,7 @@ pub fn measure<L: Level>(
     let bands = (0..).step_by(rows).zip(work.fine.chunks_mut(band)).zip(&mut seen_in);
     crew.each(bands, |((first, band), noise_seen)| {
         for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
-            *noise_seen |= signal_row(view, y, (&mesh, (left, bottom)), factor, out);
+            *noise_seen |= crew.wide(SignalRow { view, y, mesh: &mesh, origin: (left, bottom), factor, out });
         }
     });
     bridge(view, work.fine);
@@ -114,36 +115,45 @@ const PIECE: usize = 256;
 
 /// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. The mesh is read from a
 /// column and row of its frame on; noise that is given counts `factor` times.
-fn signal_row<L: Level>(
-    view: &View<'_>,
+struct SignalRow<'a, L> {
+    view: &'a View<'a>,
     y: usize,
-    (mesh, (left, bottom)): (&Mesh<'_>, (usize, usize)),
+    mesh: &'a Mesh<'a>,
+    origin: (usize, usize),
     factor: f32,
-    out: &mut [L],
-) -> bool {
-    let &View { pixels, grid, values, .. } = view;
-    let (width, mut noise_seen) = (grid.width.get(), false);
-    let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
-    for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
-        let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
-        let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
-        let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
-        mesh.along(left + x, bottom + y, level, noise);
-        if let Some(map) = view.known.background {
-            level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
+    out: &'a mut [L],
+}
+
+impl<L: Level> Task for SignalRow<'_, L> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let SignalRow { view, y, mesh, origin: (left, bottom), factor, out } = self;
+        let &View { pixels, grid, values, .. } = view;
+        let (width, mut noise_seen) = (grid.width.get(), false);
+        let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
+        for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
+            let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
+            let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
+            let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
+            mesh.along(left + x, bottom + y, level, noise);
+            if let Some(map) = view.known.background {
+                level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
+            }
+            if let Some(map) = view.known.noise {
+                let noise = noise.iter_mut().zip(from(map, width, x, y));
+                noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
+            }
+            for (((out, &pixel), &level), &noise) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise) {
+                let signal = (pixel - level) / noise;
+                let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
+                noise_seen |= usable;
+                *out = L::of(if usable { signal } else { 0.0 });
+            }
         }
-        if let Some(map) = view.known.noise {
-            let noise = noise.iter_mut().zip(from(map, width, x, y));
-            noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
-        }
-        for (((out, &pixel), &level), &noise) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise) {
-            let signal = (pixel - level) / noise;
-            let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
-            noise_seen |= usable;
-            *out = L::of(if usable { signal } else { 0.0 });
-        }
+        noise_seen
     }
-    noise_seen
 }
 
 /// Row `y` of a map from column `x` on.
@@ -194,9 +204,12 @@ pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, c
     let questions = [Question::Details(round), Question::DetailPowers(round)];
     let details = view.tail(questions, detail, masked, work.keys.again());
     let least = details.noise.scaled(L::Weight::of(LEPSKI));
-    for (smooth, &fine) in work.smooth.iter_mut().zip(fine) {
-        *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
-    }
+    let band = (grid.width.get() * crew.rows(grid)).max(1);
+    crew.each(work.smooth.chunks_mut(band).zip(fine.chunks(band)), |(smooth, fine)| {
+        for (smooth, &fine) in smooth.iter_mut().zip(fine) {
+            *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
+        }
+    });
     tail
 }
 
@@ -205,22 +218,29 @@ pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, c
 pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>, crew: &impl Crew) {
     let grid = view.grid;
     let (source, perhaps) = (L::ONE, perhaps());
-    for (fine, &smooth) in work.fine.iter_mut().zip(work.smooth.iter()) {
-        *fine = match (smooth > outline, *fine > peak) {
-            (true, true) => source,
-            (true, false) => perhaps,
-            _ => L::ZERO,
-        };
-    }
+    let band = (grid.width.get() * crew.rows(grid)).max(1);
+    crew.each(work.fine.chunks_mut(band).zip(work.smooth.chunks(band)), |(fine, smooth)| {
+        for (fine, &smooth) in fine.iter_mut().zip(smooth) {
+            *fine = match (smooth > outline, *fine > peak) {
+                (true, true) => source,
+                (true, false) => perhaps,
+                _ => L::ZERO,
+            };
+        }
+    });
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
-    let marks = &mut *work.fine;
+    let (marks, width) = (&mut *work.fine, grid.width.get());
     for backwards in [false, true, false] {
         let pieces = marks.len().div_ceil(MARKS);
         for piece in 0..pieces {
             let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
             let end = marks.len().min(first + MARKS);
-            let is_open = |marks: &[L]| marks.iter().fold(false, |any, &mark| any | (mark == perhaps));
-            if marks.get(first..end).is_some_and(is_open) {
+            let has = |piece: &[L], wanted: L| piece.iter().fold(false, |any, &mark| any | (mark == wanted));
+            let is_open = marks.get(first..end).is_some_and(|piece| has(piece, perhaps));
+            // With a pixel on every side; where the plane ends there may be a source.
+            let beside = |start: Option<usize>| marks.get(start?..)?.get(..MARKS + 2);
+            let rows = || [first.checked_sub(width + 1), first.checked_sub(1), (first + width).checked_sub(1)];
+            if is_open && rows().into_iter().any(|start| beside(start).is_none_or(|piece| has(piece, source))) {
                 for index in first..end {
                     let index = if backwards { end - 1 - (index - first) } else { index };
                     mark_beside(marks, index, grid);
@@ -228,8 +248,8 @@ pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut P
             }
         }
     }
-    for mark in marks.iter_mut().filter(|mark| **mark < source) {
-        *mark = L::ZERO;
+    for mark in marks.iter_mut() {
+        *mark = if *mark < source { L::ZERO } else { *mark };
     }
     Weights::gauss(GROWTH).mark(work.fine, L::of(NEAR), work.rows, MaskMut(work.masked.0), grid, crew);
     mask_undefined(view, &mut work.masked);

@@ -181,23 +181,16 @@ struct Range {
 impl Range {
     /// With the neighbours of a piece of a row.
     fn with(self, row: &[f32]) -> Range {
-        const LANES: usize = 8;
-        let (mut least, mut greatest) = ([self.least; LANES], [self.greatest; LANES]);
-        let mut take = |before: &[f32], after: &[f32]| {
-            let lanes = least.iter_mut().zip(&mut greatest).zip(before.iter().zip(after));
-            for ((least, greatest), (&before, &after)) in lanes {
-                *least = least.least(after.greatest(before));
-                *greatest = greatest.greatest(after.least(before));
-            }
-        };
-        let (before, after) = (row.get(..row.len().saturating_sub(1)).unwrap_or(&[]), row.get(1..).unwrap_or(&[]));
-        let ((before, last_before), (after, last_after)) = (before.as_chunks::<LANES>(), after.as_chunks::<LANES>());
-        before.iter().zip(after).for_each(|(before, after)| take(before, after));
-        take(last_before, last_after);
-        Range {
-            least: least.into_iter().fold(self.least, f32::least),
-            greatest: greatest.into_iter().fold(self.greatest, f32::greatest),
-        }
+        // Whole numbers with a sign, of which vector units find the least.
+        let rank = |value: f32| (value.key() ^ 1 << 31) as i32;
+        let ends = (rank(self.least), rank(self.greatest));
+        let pairs = row.iter().zip(row.get(1..).unwrap_or(&[]));
+        let (least, greatest) = pairs.fold(ends, |(least, greatest), (&before, &after)| {
+            let (before, after) = (rank(before), rank(after));
+            (least.min(before.max(after)), greatest.max(before.min(after)))
+        });
+        let value = |rank: i32| f32::of_key(rank as u32 ^ 1 << 31);
+        Range { least: value(least), greatest: value(greatest) }
     }
 }
 

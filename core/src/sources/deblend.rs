@@ -1,8 +1,10 @@
 //! Whose light is it: pixels that a source's mirror image does not explain become sources, and
 //! at a border each pixel goes to the source that has the most light there.
 
+use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
+use crate::plane::crew::Crew;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
 use crate::plane::rows::next_with;
@@ -260,14 +262,20 @@ fn add<L: Level>(field: Field<'_, L>, group: Region<L>, host: u32, regions: &mut
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
 /// `OTHER` times the other's own light. Where that is not known, the pixel stays.
-pub fn compete<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], sweeps: u32) {
+pub fn compete<L: Level>(
+    field: Field<'_, L>,
+    labels: &mut [u32],
+    regions: &[Region<L>],
+    sweeps: u32,
+    crew: &impl Crew,
+) {
     let pieces = labels.len().div_ceil(PIECE);
     for sweep in 0..sweeps {
         let (mut changed, forwards) = (false, sweep % 2 == 0);
         for piece in 0..pieces {
             let first = PIECE * if forwards { piece } else { pieces - 1 - piece };
             let end = labels.len().min(first + PIECE);
-            if are_alone(labels, field.grid, (first, end)) {
+            if crew.wide(Piece { labels, grid: field.grid, first }) {
                 continue;
             }
             for index in first..end {
@@ -308,26 +316,37 @@ fn best_for<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>]
     best
 }
 
-/// Whether no source's pixel of a piece of the plane touches another along an edge; where the plane ends it may not be
-/// told.
-fn are_alone(labels: &[u32], grid: Grid, (first, end): (usize, usize)) -> bool {
-    let own = labels.get(first..end).unwrap_or(&[]);
-    if own.iter().fold(0, |any, label| any | label) == 0 {
-        return true;
+/// A piece of the plane, as the question whether no source's pixel of it touches another along an edge; where the plane
+/// ends it may not be told.
+struct Piece<'a> {
+    labels: &'a [u32],
+    grid: Grid,
+    first: usize,
+}
+
+impl Task for Piece<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Piece { labels, grid, first } = self;
+        let piece = |first: Option<usize>| labels.get(first?..)?.first_chunk::<PIECE>();
+        let Some(own) = piece(Some(first)) else { return false };
+        if own.iter().fold(0, |any, label| any | label) == 0 {
+            return true;
+        }
+        let width = grid.width.get();
+        let (left, right) = (piece(first.checked_sub(1)), piece(Some(first + 1)));
+        let (below, above) = (piece(first.checked_sub(width)), piece(Some(first + width)));
+        let (Some(left), Some(right), Some(below), Some(above)) = (left, right, below, above) else { return false };
+        let mut any = false;
+        for near in [left, right, below, above] {
+            for (&own, &near) in own.iter().zip(near) {
+                any |= (own != 0) & (near != 0) & (near != own);
+            }
+        }
+        !any
     }
-    let width = grid.width.get();
-    let (before, below) = (first.checked_sub(1), first.checked_sub(width));
-    let beside = |first: Option<usize>| labels.get(first?..)?.get(..own.len());
-    let (Some(left), Some(right), Some(below), Some(above)) =
-        (beside(before), beside(Some(first + 1)), beside(below), beside(Some(first + width)))
-    else {
-        return false;
-    };
-    let near = left.iter().zip(right).zip(below.iter().zip(above));
-    let other = |own: u32, near: u32| (near != 0) & (near != own);
-    !own.iter().zip(near).fold(false, |any, (&own, ((&left, &right), (&below, &above)))| {
-        any | ((own != 0) & (other(own, left) | other(own, right) | other(own, below) | other(own, above)))
-    })
 }
 
 /// Whether a pixel within the frame touches no other source along an edge.
@@ -340,7 +359,7 @@ fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
 
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
 /// pixels around it have. `old` has room for two rows; in less than three rows no pixel has six neighbours of another.
-pub fn straighten(labels: &mut [u32], old: &mut [u32], grid: Grid, steps: u32) {
+pub fn straighten(labels: &mut [u32], old: &mut [u32], grid: Grid, steps: u32, crew: &impl Crew) {
     let width = grid.width.get();
     let Some((mut below, rest)) = old.split_at_mut_checked(width) else { return };
     let Some(mut own) = rest.get_mut(..width) else { return };
@@ -350,7 +369,7 @@ pub fn straighten(labels: &mut [u32], old: &mut [u32], grid: Grid, steps: u32) {
             let Some((row, above)) = rest.split_at_mut_checked(width) else { break };
             own.iter_mut().zip(row.iter()).for_each(|(own, label)| *own = *label);
             if let (true, Some(above)) = (y > 0, above.get(..width)) {
-                straighten_row(row, [below, own, above]);
+                crew.wide(Row { labels: row, old: [below, own, above] });
             }
             (below, own, rest) = (own, below, above);
         }
@@ -360,56 +379,72 @@ pub fn straighten(labels: &mut [u32], old: &mut [u32], grid: Grid, steps: u32) {
 /// Pixels of a row that are looked at together.
 const PIECE: usize = 16;
 
-/// Straightens a row between its neighbours, all as they were before.
-fn straighten_row(labels: &mut [u32], rows: [&[u32]; 3]) {
-    for (first, labels) in (0..).step_by(PIECE).zip(labels.chunks_mut(PIECE)) {
-        if is_one(rows, first, labels.len()) || all_stay(rows, first) {
-            continue;
-        }
-        for (x, label) in (first..).zip(labels) {
-            let near = |row: &[u32]| row.get(x.wrapping_sub(1)..)?.first_chunk::<3>().copied();
-            let [below, own, above] = rows;
-            if let (Some(below), Some(own), Some(above)) = (near(below), near(own), near(above))
-                && let Some(other) = straighter([below, own, above])
-            {
-                *label = other;
+/// A row that is straightened between its neighbours, all as they were before.
+struct Row<'a> {
+    labels: &'a mut [u32],
+    old: [&'a [u32]; 3],
+}
+
+impl Task for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [below, own, above] = self.old;
+        for (first, labels) in (0..).step_by(PIECE).zip(self.labels.chunks_mut(PIECE)) {
+            if !all_stay(self.old, first) {
+                straighten_piece(labels, first, [below, own, above]);
             }
         }
     }
 }
 
-/// A piece with a column on either side.
-const WINDOW: usize = PIECE + 2;
+/// Straightens a piece of a row that begins at a column.
+fn straighten_piece(labels: &mut [u32], first: usize, [below, own, above]: [&[u32]; 3]) {
+    for (x, label) in (first..).zip(labels) {
+        let near = |row: &[u32]| row.get(x.wrapping_sub(1)..)?.first_chunk::<3>().copied();
+        if let (Some(below), Some(own), Some(above)) = (near(below), near(own), near(above))
+            && let Some(other) = straighter([below, own, above])
+        {
+            *label = other;
+        }
+    }
+}
 
 /// Whether every pixel of a whole piece has three neighbours of its own, which are enough to stay; at the ends of a
 /// row it may not be told.
-fn all_stay(rows: [&[u32]; 3], first: usize) -> bool {
-    let window = |row: &[u32]| row.get(first.wrapping_sub(1)..)?.first_chunk::<WINDOW>().copied();
-    let windows = rows.map(window);
-    let [Some(_), Some(own), Some(_)] = windows else { return false };
-    let piece = |row: &[u32; WINDOW], from: usize| {
-        row.get(from..).and_then(<[u32]>::first_chunk::<PIECE>).copied().unwrap_or([0; PIECE])
+#[inline(always)]
+fn all_stay([below, own, above]: [&[u32]; 3], first: usize) -> bool {
+    let Some(first) = first.checked_sub(1) else { return false };
+    let [Some(below), Some(own), Some(above)] = [window(below, first), window(own, first), window(above, first)] else {
+        return false;
     };
-    let (own, mut same) = (piece(&own, 1), [0; PIECE]);
-    for row in windows.iter().flatten() {
-        for from in 0..3 {
-            let near = piece(row, from);
-            for ((same, near), own) in same.iter_mut().zip(near).zip(own) {
-                *same += u32::from(near == own);
-            }
-        }
+    let mut same = [0; PIECE];
+    for row in [below, own, above] {
+        add_same(&mut same, row, own);
     }
     // Each is its own neighbour here.
     same.iter().fold(true, |all, &same| all & (same > 3))
 }
 
-/// Whether a piece of the middle row and all around it has one label: most of an image has none.
-fn is_one(rows: [&[u32]; 3], first: usize, length: usize) -> bool {
-    let [_, own, _] = rows;
-    let label = label_at(own, first);
-    let (start, end) = (first.saturating_sub(1), own.len().min(first + length + 1));
-    let all = |piece: &[u32]| piece.iter().fold(true, |all, &near| all & (near == label));
-    rows.iter().filter_map(|row| row.get(start..end)).all(all)
+/// A piece with a column on either side.
+const WINDOW: usize = PIECE + 2;
+
+#[inline(always)]
+fn window(row: &[u32], first: usize) -> Option<&[u32; WINDOW]> {
+    row.get(first..)?.first_chunk()
+}
+
+/// Counts which of the three pixels of a row around each column have the label of the middle row's pixel.
+#[inline(always)]
+fn add_same(same: &mut [u32; PIECE], row: &[u32; WINDOW], own: &[u32; WINDOW]) {
+    for (x, same) in same.iter_mut().enumerate() {
+        let at = |row: &[u32; WINDOW], x: usize| row.get(x).copied().unwrap_or(0);
+        let label = at(own, x + 1);
+        *same += u32::from(at(row, x) == label);
+        *same += u32::from(at(row, x + 1) == label);
+        *same += u32::from(at(row, x + 2) == label);
+    }
 }
 
 /// The label that the pixel in the middle takes, if it is not its own.

@@ -8,6 +8,7 @@ use crate::config::Connectivity;
 use crate::plane::grid::Grid;
 use crate::plane::rows::{next_with, used};
 use crate::sources::tree::Region;
+use core::ops::Range;
 
 /// A pixel of a piece that is not, or not yet, the one that stays.
 const LOOSE: u32 = 1 << 31;
@@ -40,12 +41,12 @@ pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regi
         let (peak, pixels) = (region.peak as usize, region.area);
         region.area = 0;
         if label_at(labels, peak) == label {
-            let area = relabel((grid, Connectivity::Eight), peak, label | LOOSE, labels, queue) as u32;
+            let area = flood(grid, peak, label | LOOSE, labels, queue) as u32;
             region.area = area.saturating_mul(PEAK);
             if area == pixels {
                 // It is one piece.
                 region.area = WHOLE;
-                queue.iter().take(area as usize).for_each(|&at| set(labels, at as usize, label));
+                flood(grid, peak, label, labels, queue);
             }
         }
     }
@@ -54,14 +55,14 @@ pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regi
         next = first + 1;
         let label = label_at(labels, first);
         if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)).filter(|region| region.area != WHOLE) {
-            let area = relabel((grid, Connectivity::Eight), first, label | LOOSE, labels, queue) as u32;
+            let area = flood(grid, first, label | LOOSE, labels, queue) as u32;
             if area > region.area {
                 (region.area, region.peak) = (area, first as u32);
             }
         }
     }
     for (label, region) in (1..).zip(regions.iter()).filter(|(_, region)| region.area > 0 && region.area != WHOLE) {
-        relabel((grid, Connectivity::Eight), region.peak as usize, label, labels, queue);
+        flood(grid, region.peak as usize, label, labels, queue);
     }
     for region in regions.iter_mut() {
         region.area = 0;
@@ -80,6 +81,50 @@ pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regi
             }
         }
     }
+}
+
+/// Gives the pixels that have the label of the first one, and are connected with it also by corners, another label that
+/// none beside them has, and gives their number: as [`relabel`], but run by run in their rows.
+fn flood(grid: Grid, first: usize, to: u32, labels: &mut [u32], queue: &mut [u32]) -> usize {
+    let (from, width) = (label_at(labels, first), grid.width.get());
+    let (mut next, mut known, mut count) = (0, 0, 0);
+    // Takes the run around a pixel, queues it and gives its end.
+    let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
+        let start = at - at % grid.width;
+        let is_other = |label: &u32| *label != from;
+        let before =
+            labels.get(start..at).and_then(|row| row.iter().rposition(is_other)).map_or(start, |x| start + x + 1);
+        let behind = labels.get(at..start + width).and_then(|row| row.iter().position(is_other));
+        let end = behind.map_or(start + width, |x| at + x);
+        if let (Some(run), Some(place)) = (labels.get_mut(before..end), queue.get_mut(known)) {
+            run.fill(to);
+            *place = before as u32;
+            (known, count) = (known + 1, count + run.len());
+        }
+        (known, count, end)
+    };
+    let (mut end, mut area, _) = take(first, labels, queue);
+    while next < end {
+        let at = queue.get(next).map_or(0, |&at| at as usize);
+        next += 1;
+        let row = labels.get(at..at - at % grid.width + width).unwrap_or(&[]);
+        let length = row.iter().position(|label| *label != to).unwrap_or(row.len());
+        let (x, y) = grid.place(at);
+        let (left, right) = (at - usize::from(x > 0), at + length + usize::from(x + length < width));
+        let rows =
+            [(y > 0).then(|| left - width..right - width), (y + 1 < grid.height).then(|| left + width..right + width)];
+        for Range { start, end: last } in rows.into_iter().flatten() {
+            let mut near = start;
+            while near < last {
+                let mut behind = near + 1;
+                if label_at(labels, near) == from {
+                    (end, area, behind) = take(near, labels, queue);
+                }
+                near = behind;
+            }
+        }
+    }
+    area
 }
 
 /// Gives the connected pixels that have the label of the first one another, not 0 instead of 0; lists them in
@@ -177,6 +222,28 @@ mod tests {
         becomes(picture, 22, ["22222001", "22222011", "22222110", "22222330"]);
         let picture = ["11222000", "11222000", "11122010", "11122010"];
         becomes(picture, 22, ["11222000", "11222000", "11122000", "11122000"]);
+    }
+
+    #[test]
+    fn a_flood_reaches_what_is_connected() {
+        let (mut state, width) = (1u32, 23);
+        let grid = Grid::of(31 * width, width).expect("there are columns");
+        for percent in [10, 35, 45, 60, 90, 100] {
+            let mut draw = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                if (state >> 8) % 100 < percent { 1 } else { 2 }
+            };
+            let mut flooded: [u32; 31 * 23] = core::array::from_fn(|_| draw());
+            let (mut expected, mut queue) = (flooded, [0; 31 * 23]);
+            for first in [0, 17, 350, 712] {
+                let from = label_at(&flooded, first);
+                if from & LOOSE == 0 {
+                    let count = relabel((grid, Connectivity::Eight), first, from | LOOSE, &mut expected, &mut queue);
+                    assert_eq!(flood(grid, first, from | LOOSE, &mut flooded, &mut queue), count, "{percent} %");
+                }
+                assert_eq!(flooded, expected, "{percent} %, from {first}");
+            }
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::plane::sort;
 use crate::sources::centre::{centre_on_light, shape};
 use crate::sources::deblend::{Reopening, compete, reopen, straighten};
 use crate::sources::pieces::{connect, relabel};
-use crate::sources::tree::{Count, Noise, Region, grow, region_at, root};
+use crate::sources::tree::{Count, Noise, Region, grow, region_at, root_of};
 use crate::sources::typical::Typical;
 
 /// Scale of the sharpening before the tree, pixels.
@@ -67,7 +67,7 @@ pub fn tree<L: Level>(
         region.centre = field.centre(region.peak as usize);
     }
     for (rank, &at) in (0..).zip(order) {
-        let root = root(work.parents, rank);
+        let root = root_of(work.parents, rank);
         let index = region_at(work.parents, root);
         let large = work.regions.get(index).is_some_and(|region| region.area >= LEAST_AREA);
         set(work.labels, at, if large { index as u32 + 1 } else { 0 });
@@ -87,8 +87,17 @@ fn set(plane: &mut [u32], at: u32, to: u32) {
 
 /// Makes marks of the pixels inside the front that have a signal, and 0 of the others.
 fn mark_inside<L: Level>(has_signal: impl Fn(usize) -> bool, front: &mut [u32]) {
-    for (at, label) in front.iter_mut().enumerate() {
-        *label = if L::from_bits(*label) > L::ZERO && has_signal(at) { INSIDE } else { 0 };
+    /// Pixels that are looked at together.
+    const PIECE: usize = 32;
+    let is_inside = |bits: u32| L::from_bits(bits) > L::ZERO;
+    for (first, front) in (0..).step_by(PIECE).zip(front.chunks_mut(PIECE)) {
+        if front.iter().fold(false, |any, &bits| any | is_inside(bits)) {
+            for (at, label) in (first..).zip(front) {
+                *label = if is_inside(*label) && has_signal(at) { INSIDE } else { 0 };
+            }
+        } else {
+            front.fill(0);
+        }
     }
 }
 
@@ -216,6 +225,7 @@ pub fn deblend<L: Level>(
     noise: Noise<L>,
     mut count: Count,
     work: &mut Planes<'_, L>,
+    crew: &impl Crew,
 ) -> Count {
     let (field, light) = (Field { values: work.fine, grid }, Field { values: work.smooth, grid });
     let regions = work.regions.get_mut(..count.regions).unwrap_or(&mut []);
@@ -233,9 +243,9 @@ pub fn deblend<L: Level>(
     }
     for _ in 0..COMPETITIONS {
         shape(field, work.labels, work.regions.get_mut(..count.regions).unwrap_or(&mut []));
-        compete(field, work.labels, work.regions, SWEEPS);
+        compete(field, work.labels, work.regions, SWEEPS, crew);
     }
-    straighten(work.labels, work.order, grid, STRAIGHTENINGS);
+    straighten(work.labels, work.order, grid, STRAIGHTENINGS, crew);
     connect(grid, work.labels, work.order, work.regions.get_mut(..count.regions).unwrap_or(&mut []));
     count
 }

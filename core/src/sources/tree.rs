@@ -115,7 +115,7 @@ const ROOT: u32 = 1 << 31;
 const NONE: u32 = u32::MAX;
 
 /// The first pixel of a pixel's region, both by rank; paths are halved on the way.
-pub fn root(parents: &mut [u32], mut rank: u32) -> u32 {
+pub fn root_of(parents: &mut [u32], mut rank: u32) -> u32 {
     let parent = |parents: &[u32], rank: u32| parents.get(rank as usize).copied().unwrap_or(NONE);
     loop {
         let near = parent(parents, rank);
@@ -155,10 +155,13 @@ pub fn grow<L: Level>(
     for (rank, &pixel) in (0..).zip(order) {
         let at = pixel as usize;
         let value = field.at(at);
-        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
+        let (mut roots, mut found, mut nearest, mut root) = ([NONE; 8], 0, None::<(L, u32)>, NONE);
         for near in field.grid.touching(at, config.connectivity.neighbours()) {
             let Some(known) = rank_of(near).filter(|&near| near < rank && !is_out(parents, near)) else { continue };
-            let root = root(parents, known);
+            // Most neighbours are of one region, and some know its root.
+            if known != root && parents.get(known as usize) != Some(&root) {
+                root = root_of(parents, known);
+            }
             if nearest.is_none_or(|(value, _)| field.at(near) > value) {
                 nearest = Some((field.at(near), root));
             }
@@ -193,7 +196,7 @@ pub fn grow<L: Level>(
             // What is brighter is in the tree, or will be: the components are gone through one after another.
             let key = |at: usize| (!field.at(at).key(), at);
             let foreign = |near: usize| match rank_of(near) {
-                Some(known) if known < rank && !is_out(parents, known) => root(parents, known) != host,
+                Some(known) if known < rank && !is_out(parents, known) => root_of(parents, known) != host,
                 Some(_) => key(near) < key(at),
                 None => false,
             };

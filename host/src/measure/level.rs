@@ -13,7 +13,7 @@ pub enum Level<'a> {
 
 impl Level<'_> {
     /// The value at a pixel index; NaN beyond a map.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, index: usize) -> f64 {
         match self {
             Level::Constant(value) => *value,

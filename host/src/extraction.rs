@@ -147,9 +147,11 @@ fn in_room<A: Arithmetic, L: Level>(
     let extremes = extremes_of(pixels, width, &found, &crew);
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
     in_groups(&mut sources, drive.threads, |first, sources| {
-        for (at, label) in used(&labels) {
-            if let Some(source) = (label as usize).checked_sub(first).and_then(|index| sources.get_mut(index)) {
-                source.add((at % width) as u32, (at / width) as u32, pixels[at], extremes.least);
+        for (y, (labels, pixels)) in (0..).zip(labels.chunks_exact(width).zip(pixels.chunks_exact(width))) {
+            for (x, label) in used(labels) {
+                if let Some(source) = (label as usize).checked_sub(first).and_then(|index| sources.get_mut(index)) {
+                    source.add(x as u32, y, pixels[x], extremes.least);
+                }
             }
         }
     });

@@ -16,7 +16,7 @@ pub trait Level: Real + Cell + Sealed {
     /// A factor below 128.
     type Weight: Real;
     /// A sum over as many as 2^30 pixels.
-    type Sum: Copy + Debug + PartialOrd + Add<Output = Self::Sum> + Sub<Output = Self::Sum>;
+    type Sum: Copy + Debug + PartialOrd + Add<Output = Self::Sum> + Sub<Output = Self::Sum> + Send + Sync;
 
     /// A word that sorts as the number does.
     fn key(self) -> u32;

@@ -20,18 +20,22 @@ fn excess<L: Level>(field: Field<'_, L>, centre: (L, L), at: usize) -> L {
     field.at(at) - field.mirrored(centre, at).unwrap_or(L::ZERO)
 }
 
+#[inline]
 fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
 }
 
+#[inline]
 fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
     regions.get((label as usize).wrapping_sub(1))
 }
 
+#[inline]
 fn centre_of<L: Level>(regions: &[Region<L>], label: u32) -> (L, L) {
     region_of(regions, label).map_or((L::ZERO, L::ZERO), |region| region.centre)
 }
 
+#[inline]
 fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
     region_of(regions, label).map_or(L::NOTHING, |region| region.sum)
 }
@@ -118,28 +122,31 @@ pub fn reopen<L: Level>(
     queue: &mut [u32],
     regions: &mut [Region<L>],
     count: Count,
+    crew: &impl Crew,
 ) -> Count {
     let &Reopening { field, typical, noise, excess, least_area, connectivity } = reopening;
     let Count { regions: mut count, mut left_out } = count;
     let (new, least) = (L::Weight::of(NEW), L::of(excess * noise.least.to_f32()));
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(noise.photon, field.at(at));
-    let mut next = 0;
-    while let Some(at) = next_with(labels, next, u32::MAX) {
-        next = at + 1;
-        let label = label_at(labels, at);
-        let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
-        // Hosts have no light below 0.
-        if field.at(at) > least
-            && let Some(mirrored) = field.mirrored(region.centre, at)
-            && field.at(at) > mirrored.scaled(new)
-            && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
-            && field.at(at) > host.scaled(new)
-            && significant(at, host)
-            && let Some(cell) = labels.get_mut(at)
-        {
-            *cell |= OPEN;
+    let (known, band) = (&*regions, (field.grid.width.get() * crew.rows(field.grid)).max(1));
+    crew.each((0..).step_by(band).zip(labels.chunks_mut(band)), |(first, labels): (usize, _)| {
+        let mut next = 0;
+        while let Some(index) = next_with(labels, next, u32::MAX) {
+            next = index + 1;
+            let (Some(label), at) = (labels.get_mut(index), first + index) else { continue };
+            // Hosts have no light below 0.
+            if field.at(at) > least
+                && let Some(region) = region_of(known, *label).filter(|region| region.plateau <= 0.0)
+                && let Some(mirrored) = field.mirrored(region.centre, at)
+                && field.at(at) > mirrored.scaled(new)
+                && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
+                && field.at(at) > host.scaled(new)
+                && significant(at, host)
+            {
+                *label |= OPEN;
+            }
         }
-    }
+    });
     let mut next = 0;
     while let Some(first) = next_with(labels, next, OPEN) {
         next = first + 1;
@@ -469,6 +476,7 @@ fn straighter([below, own, above]: [[u32; 3]; 3]) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::arithmetic::Fixed14;
+    use crate::plane::crew::Alone;
 
     extern crate std;
     use std::vec::Vec;
@@ -496,7 +504,8 @@ mod tests {
             least_area: 4,
             connectivity: Connectivity::Eight,
         };
-        reopen(&reopening, &mut labels, &mut queue, &mut regions, Count { regions: 1, left_out: 0 }).regions - 1
+        let count = Count { regions: 1, left_out: 0 };
+        reopen(&reopening, &mut labels, &mut queue, &mut regions, count, &Alone).regions - 1
     }
 
     #[test]

@@ -19,6 +19,7 @@ const WHOLE: u32 = u32::MAX;
 /// How often loose pieces ask their neighbours: one may lie within others.
 const ROUNDS: u32 = 4;
 
+#[inline]
 fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
 }
@@ -179,6 +180,7 @@ fn owner<L: Level>(grid: Grid, piece: &[u32], labels: &[u32], regions: &mut [Reg
     owner
 }
 
+#[inline]
 fn set(labels: &mut [u32], at: usize, label: u32) {
     if let Some(cell) = labels.get_mut(at) {
         *cell = label;

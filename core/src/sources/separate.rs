@@ -60,7 +60,7 @@ pub fn tree<L: Level>(
     Weights::gauss(SHARPNESS).sharpen(work.fine, work.rows, grid, config.deblending.sharpening, crew);
     let field = Field { values: work.fine, grid };
     mark_inside::<L>(has_signal, work.labels);
-    let used = by_brightness(field, work.labels, work.order, work.parents);
+    let used = by_brightness(field, work.labels, work.order, work.parents, crew);
     let order = work.order.get(..used).unwrap_or(&[]);
     let count = grow(field, order, work.parents, work.labels, work.regions, (config, photon));
     for region in work.regions.iter_mut().take(count.regions) {
@@ -79,6 +79,7 @@ pub fn tree<L: Level>(
 /// known by.
 const INSIDE: u32 = 1 << 31;
 
+#[inline]
 fn set(plane: &mut [u32], at: u32, to: u32) {
     if let Some(cell) = plane.get_mut(at as usize) {
         *cell = to;
@@ -104,27 +105,77 @@ fn mark_inside<L: Level>(has_signal: impl Fn(usize) -> bool, front: &mut [u32]) 
 /// Lists the marked pixels, component by component so that what is looked at together lies together, each from the
 /// brightest down, of equal pixels the first in the frame first, and marks each by 1 + its place in the list. Gives
 /// their number; `spare` is as long as the list.
-fn by_brightness<L: Level>(field: Field<'_, L>, labels: &mut [u32], order: &mut [u32], spare: &mut [u32]) -> usize {
-    /// Fewer are sorted by insertion.
-    const FEW: usize = 32;
-    let key = |at: u32| !field.at(at as usize).key();
+fn by_brightness<L: Level>(
+    field: Field<'_, L>,
+    labels: &mut [u32],
+    order: &mut [u32],
+    spare: &mut [u32],
+    crew: &impl Crew,
+) -> usize {
     let (components, listed) = by_component(field.grid, labels, order, spare);
     // Where a component ends the next one begins, and the last one ends with the list.
     let (ends, spare) = spare.split_at_mut_checked(components.saturating_sub(1)).unwrap_or_default();
-    let mut first = 0;
-    for end in ends.iter().map(|&end| end as usize).chain([listed]) {
-        let component = order.get_mut(first..end).unwrap_or(&mut []);
-        if component.len() < FEW {
-            sort::few(component, |a, b| key(a) < key(b));
-        } else {
-            sort::by_key(component, spare, key);
-        }
-        for (rank, &at) in (first as u32 + 1..).zip(component.iter()) {
-            set(labels, at, rank);
-        }
-        first = end;
+    let order = order.get_mut(..listed).unwrap_or(&mut []);
+    crew.each(groups(order, spare, ends, crew.hands()), |group| group.sort(field));
+    for (rank, &at) in (1..).zip(order.iter()) {
+        set(labels, at, rank);
     }
     listed
+}
+
+/// Components that are sorted by one hand.
+struct Group<'a> {
+    /// Where they begin in the list of all.
+    first: usize,
+    /// Their pixels.
+    pixels: &'a mut [u32],
+    /// Room for as many.
+    spare: &'a mut [u32],
+    /// Where in the list of all each of them ends, without the last.
+    ends: &'a [u32],
+}
+
+impl Group<'_> {
+    /// Sorts each component from its brightest pixel down, of equal pixels the first in the frame first.
+    fn sort<L: Level>(self, field: Field<'_, L>) {
+        /// Fewer are sorted by insertion.
+        const FEW: usize = 32;
+        let Group { first, mut pixels, spare, ends } = self;
+        let (key, mut start) = (|at: u32| !field.at(at as usize).key(), first);
+        for end in ends.iter().map(|&end| end as usize).chain([first + pixels.len()]) {
+            let (component, rest) = pixels.split_at_mut_checked(end - start).unwrap_or_default();
+            if component.len() < FEW {
+                sort::few(component, |a, b| key(a) < key(b));
+            } else {
+                sort::by_key(component, spare, key);
+            }
+            (pixels, start) = (rest, end);
+        }
+    }
+}
+
+/// The components of a list in as many groups as there are hands, if there are enough.
+fn groups<'a>(
+    mut order: &'a mut [u32],
+    mut spare: &'a mut [u32],
+    mut ends: &'a [u32],
+    hands: usize,
+) -> impl Iterator<Item = Group<'a>> + Send {
+    let (listed, hands) = (order.len(), hands.max(1));
+    let (share, more, mut first) = (listed.div_ceil(hands), spare.len().saturating_sub(listed) / hands, 0);
+    core::iter::from_fn(move || {
+        if order.is_empty() {
+            return None;
+        }
+        let inner = ends.partition_point(|&end| (end as usize) < first + share);
+        let end = ends.get(inner).map_or(listed, |&end| end as usize);
+        let (pixels, rest) = core::mem::take(&mut order).split_at_mut_checked(end - first)?;
+        let (own, room) = core::mem::take(&mut spare).split_at_mut_checked(pixels.len() + more)?;
+        let group = Group { first, pixels, spare: own, ends: ends.get(..inner).unwrap_or(&[]) };
+        (order, spare, first) = (rest, room, end);
+        ends = ends.get(inner + 1..).unwrap_or(&[]);
+        Some(group)
+    })
 }
 
 /// Lists the marked pixels by the components that they form, also by corners: these by their first pixels, the pixels
@@ -179,6 +230,7 @@ fn run(grid: Grid, labels: &[u32], from: usize) -> Option<(usize, usize)> {
 }
 
 /// The pixel, or the component, that a marked pixel is known by.
+#[inline]
 fn known_by(labels: &[u32], at: usize) -> u32 {
     labels.get(at).map_or(0, |label| label & !INSIDE)
 }
@@ -229,7 +281,7 @@ pub fn deblend<L: Level>(
 ) -> Count {
     let (field, light) = (Field { values: work.fine, grid }, Field { values: work.smooth, grid });
     let regions = work.regions.get_mut(..count.regions).unwrap_or(&mut []);
-    centre_on_light([field, light], work.labels, regions, noise);
+    centre_on_light([field, light], work.labels, regions, noise, crew);
     let regions = work.regions.get(..count.regions).unwrap_or(&[]);
     let typical = Typical::of(whole, field, noise.least, regions, (work.parents, work.order));
     if whole.is_some_and(Whole::is_waiting) {
@@ -239,10 +291,10 @@ pub fn deblend<L: Level>(
     let Deblending { excess, reopened_area, .. } = deblending;
     let reopening = Reopening { field, typical, noise, excess, least_area: reopened_area, connectivity };
     for _ in 0..REOPENINGS {
-        count = reopen(&reopening, work.labels, work.order, work.regions, count);
+        count = reopen(&reopening, work.labels, work.order, work.regions, count, crew);
     }
     for _ in 0..COMPETITIONS {
-        shape(field, work.labels, work.regions.get_mut(..count.regions).unwrap_or(&mut []));
+        shape(field, work.labels, work.regions.get_mut(..count.regions).unwrap_or(&mut []), crew);
         compete(field, work.labels, work.regions, SWEEPS, crew);
     }
     straighten(work.labels, work.order, grid, STRAIGHTENINGS, crew);
@@ -283,12 +335,26 @@ pub fn components<L: Level>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::crew::Alone;
     use core::num::NonZero;
 
     extern crate std;
     use std::vec::Vec;
 
     const SIDE: usize = 160;
+
+    /// So many hands, one after another.
+    struct Hands(usize);
+
+    impl Crew for Hands {
+        fn hands(&self) -> usize {
+            self.0
+        }
+
+        fn each<T: Send>(&self, items: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
+            items.for_each(work);
+        }
+    }
 
     /// A field of stars as thick as that of a globular cluster, with gaps between its components.
     fn crowd() -> Vec<f32> {
@@ -352,10 +418,13 @@ mod tests {
         let light = crowd();
         let grid = Grid { width: NonZero::new(SIDE).expect("not 0"), height: SIDE };
         for threshold in [1.0, 4.0, 8.0, 16.0] {
-            let mut labels: Vec<u32> = light.iter().map(|value| (value - threshold).to_bits()).collect();
+            let outline =
+                |threshold: f32| light.iter().map(|value| (value - threshold).to_bits()).collect::<Vec<u32>>();
+            let mut labels = outline(threshold);
             let [mut order, mut spare] = [(); 2].map(|()| std::vec![0; light.len()]);
             mark_inside::<f32>(|_| true, &mut labels);
-            let used = by_brightness(Field { values: &light, grid }, &mut labels, &mut order, &mut spare);
+            let field = Field { values: &light, grid };
+            let used = by_brightness(field, &mut labels, &mut order, &mut spare, &Alone);
             let by_component = &order[..used];
             let mut over_all: Vec<u32> = by_component.to_vec();
             over_all.sort_by_key(|&at| (!light[at as usize].key(), at));
@@ -363,6 +432,12 @@ mod tests {
             let regions = grown(&light, by_component);
             assert!(regions.len() > 100, "{} regions above {threshold}", regions.len());
             assert_eq!(regions, grown(&light, &over_all), "above {threshold}");
+            for hands in [2, 3, 50] {
+                let (mut labels, mut shared) = (outline(threshold), std::vec![0; light.len()]);
+                mark_inside::<f32>(|_| true, &mut labels);
+                by_brightness(field, &mut labels, &mut shared, &mut spare, &Hands(hands));
+                assert_eq!(&shared[..used], by_component, "{hands} hands above {threshold}");
+            }
         }
     }
 }

@@ -134,6 +134,7 @@ pub fn root_of(parents: &mut [u32], mut rank: u32) -> u32 {
 }
 
 /// The index of the region whose first pixel has this rank; beyond all tables for a pixel that is in none.
+#[inline]
 pub fn region_at(parents: &[u32], root: u32) -> usize {
     parents.get(root as usize).map_or(usize::MAX, |parent| (parent & !ROOT) as usize)
 }
@@ -161,15 +162,15 @@ pub fn grow<L: Level>(
             // Most neighbours are of one region, and some know its root.
             if known != root && parents.get(known as usize) != Some(&root) {
                 root = root_of(parents, known);
+                if !roots.contains(&root)
+                    && let Some(free) = roots.get_mut(found)
+                {
+                    *free = root;
+                    found += 1;
+                }
             }
             if nearest.is_none_or(|(value, _)| field.at(near) > value) {
                 nearest = Some((field.at(near), root));
-            }
-            if !roots.contains(&root)
-                && let Some(free) = roots.get_mut(found)
-            {
-                *free = root;
-                found += 1;
             }
         }
         let Some(own) = parents.get_mut(rank as usize) else { break };
@@ -237,6 +238,7 @@ pub fn grow<L: Level>(
 }
 
 /// Whether a pixel that was met is in no region.
+#[inline]
 fn is_out(parents: &[u32], rank: u32) -> bool {
     parents.get(rank as usize).is_none_or(|&parent| parent == NONE)
 }

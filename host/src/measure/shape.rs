@@ -65,10 +65,12 @@ pub struct Shape {
 pub fn sums(scene: &Scene<'_>, sources: &[Source], threads: usize) -> Vec<Sums> {
     let mut all = vec![Sums::default(); sources.len()];
     in_groups(&mut all, threads, |first, group| {
-        for (index, label) in used(scene.labels) {
-            let sums = (label as usize).checked_sub(first).and_then(|index| group.get_mut(index));
-            if let (Some(sums), Some(source)) = (sums, sources.get(label as usize - 1)) {
-                sums.add(scene, index, label, (f64::from(source.x0), f64::from(source.y0)));
+        for (y, row) in scene.labels.chunks(scene.width.max(1)).enumerate() {
+            for (x, label) in used(row) {
+                let sums = (label as usize).checked_sub(first).and_then(|index| group.get_mut(index));
+                if let (Some(sums), Some(source)) = (sums, sources.get(label as usize - 1)) {
+                    sums.add(scene, (x, y), label, (f64::from(source.x0), f64::from(source.y0)));
+                }
             }
         }
     });
@@ -76,8 +78,8 @@ pub fn sums(scene: &Scene<'_>, sources: &[Source], threads: usize) -> Vec<Sums> 
 }
 
 impl Sums {
-    fn add(&mut self, scene: &Scene<'_>, index: usize, label: u32, origin: (f64, f64)) {
-        let (x, y) = (index % scene.width, index / scene.width);
+    fn add(&mut self, scene: &Scene<'_>, (x, y): (usize, usize), label: u32, origin: (f64, f64)) {
+        let index = y * scene.width + x;
         let around = scene.around(x, y, label);
         self.flags |= around;
         self.area += 1.0;

@@ -51,8 +51,7 @@ impl Weights {
             let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
             for (y, out) in (first..).zip(to.chunks_exact_mut(width)) {
                 ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
-                out.fill(L::ZERO);
-                ring.add(y, out, 1.0, crew);
+                ring.add(y, out, None, crew);
             }
         });
     }
@@ -70,8 +69,7 @@ impl Weights {
             let mut mask = MaskMut(words);
             for (row, y) in (first..grid.height.min(first + rows)).enumerate() {
                 ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
-                out.fill(L::ZERO);
-                ring.add(y, out, 1.0, crew);
+                ring.add(y, out, None, crew);
                 for (x, piece) in (0..).step_by(WORD).zip(out.chunks(WORD)) {
                     if piece.iter().fold(false, |any, &value| any | (value > level)) {
                         let above = (x..).zip(piece).filter(|(_, value)| **value > level);
@@ -104,7 +102,7 @@ impl Weights {
                 ring.follow(y, &mut next, |y| row_of(plane, width, y - first), crew);
                 let out = row_of_mut(plane, width, y - first);
                 out.iter_mut().for_each(|value| *value = value.scaled(gain));
-                ring.add(y, out, -strength, crew);
+                ring.add(y, out, Some(-strength), crew);
             }
         });
     }
@@ -169,8 +167,8 @@ impl<'a, L: Level> Ring<'a, L> {
         }
     }
 
-    /// Adds `gain` times the smoothed columns to row `y`.
-    fn add(&self, y: usize, out: &mut [L], gain: f32, crew: &impl Crew) {
+    /// Adds `gain` times the smoothed columns to row `y`; without a gain these are what it becomes.
+    fn add(&self, y: usize, out: &mut [L], gain: Option<f32>, crew: &impl Crew) {
         crew.wide(Across { ring: self, y, out, gain });
     }
 }
@@ -210,12 +208,12 @@ impl<L: Level> Task for Along<'_, L> {
     }
 }
 
-/// A row to which `gain` times the smoothed columns are added.
+/// A row to which `gain` times the smoothed columns are added, or which becomes these.
 struct Across<'a, 'r, L> {
     ring: &'a Ring<'r, L>,
     y: usize,
     out: &'a mut [L],
-    gain: f32,
+    gain: Option<f32>,
 }
 
 impl<L: Level> Task for Across<'_, '_, L> {
@@ -226,8 +224,10 @@ impl<L: Level> Task for Across<'_, '_, L> {
         let Across { ring, y, out, gain } = self;
         let [centre, ..] = ring.weights.weights;
         let row = |y: usize| row_of(ring.rows, ring.grid.width.get(), ring.place(y));
+        let (is_new, gain) = (gain.is_none(), gain.unwrap_or(1.0));
         let centre = L::Weight::of(gain * centre);
-        out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
+        let before = |out: L| if is_new { L::ZERO } else { out };
+        out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = before(*out) + value.scaled(centre));
         let tap = |(distance, weight): (usize, f32)| {
             let [below, above] = mirrored(y, distance, ring.grid.height);
             (row(below), row(above), L::Weight::of(gain * weight))

@@ -68,7 +68,7 @@ fn main() -> Result<(), Error> {
     let found = loop {
         match run.progress() {
             Progress::Next(_) => {
-                run.poll()?;
+                run.poll(usize::MAX)?;
             }
             Progress::Front => {
                 let inside = outline(run.image())?;

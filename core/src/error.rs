@@ -98,6 +98,10 @@ pub enum Error<E = core::convert::Infallible> {
         /// Which plane or table.
         name: &'static str,
     },
+    /// The frame was changed by others while the run read it.
+    FrameChanged,
+    /// A snapshot was not taken up, and the run that was to take it up has lost its memory.
+    NotRestored,
     /// The frame source failed.
     Frame(E),
 }
@@ -105,7 +109,12 @@ pub enum Error<E = core::convert::Infallible> {
 impl<E> Error<E> {
     /// The same error for any frame source; a frame error is given to `frame`.
     pub fn map_frame<F>(self, frame: impl FnOnce(E) -> F) -> Error<F> {
-        match self {
+        self.of_run().unwrap_or_else(|error| Error::Frame(frame(error)))
+    }
+
+    /// An error of the run, after which it cannot go on; that of a frame source, after which it can.
+    pub(crate) fn of_run<F>(self) -> Result<Error<F>, E> {
+        Ok(match self {
             Error::Parameter { name, value, bound, limit } => Error::Parameter { name, value, bound, limit },
             Error::Size { width, height, least, most_columns, most_pixels } => {
                 Error::Size { width, height, least, most_columns, most_pixels }
@@ -120,8 +129,10 @@ impl<E> Error<E> {
             Error::Front { scheme, mover } => Error::Front { scheme, mover },
             Error::Waiting => Error::Waiting,
             Error::Corrupted { name } => Error::Corrupted { name },
-            Error::Frame(error) => Error::Frame(frame(error)),
-        }
+            Error::FrameChanged => Error::FrameChanged,
+            Error::NotRestored => Error::NotRestored,
+            Error::Frame(error) => return Err(error),
+        })
     }
 }
 
@@ -159,6 +170,8 @@ impl<E: fmt::Display> fmt::Display for Error<E> {
             Error::Front { scheme, mover } => write!(f, "the front of the scheme {scheme} is moved by {mover}"),
             Error::Waiting => f.write_str("the other parts of the image have yet to answer"),
             Error::Corrupted { name } => write!(f, "the memory of {name} was changed between two polls"),
+            Error::FrameChanged => f.write_str("the frame was changed while it was worked on"),
+            Error::NotRestored => f.write_str("the snapshot was not taken up: the run has lost its memory"),
             Error::Frame(error) => write!(f, "reading the frame: {error}"),
         }
     }

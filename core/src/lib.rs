@@ -7,6 +7,7 @@
 //! * [`front`]: edge detectors, the start, the schemes that move the front until it stops;
 //! * [`sources`]: components or the tree of level sets, deblending, significance, the catalogue;
 //! * [`track`](mod@track): stars in windows, where a star tracker expects them;
+//! * [`packet`]: what goes to the ground, in packets that are read one by one;
 //! * [`run`]: all steps in their order, in slices of bounded work, in memory that the caller
 //!   provides and whose size [`run::memory`] tells beforehand.
 //!
@@ -30,6 +31,8 @@
 #![doc = concat!("```\n", include_str!("../examples/front_in_slices.rs"), "```\n")]
 //! `default`: what finds most, in four planes, two lists, a mesh and a table of regions.
 #![doc = concat!("```\n", include_str!("../examples/default.rs"), "```\n")]
+//! `default_in_slices`: the same over a camera's buffer, a few rows of work per poll.
+#![doc = concat!("```\n", include_str!("../examples/default_in_slices.rs"), "```\n")]
 //! `front_on_signal`: both together, the front of the paper over the default's signal-to-noise.
 #![doc = concat!("```\n", include_str!("../examples/front_on_signal.rs"), "```\n")]
 //! `snapshot`: a run that ends elsewhere than it began.
@@ -52,6 +55,8 @@ pub mod front;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod hal;
 pub mod image;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod packet;
 pub mod plane;
 pub mod run;
 pub mod simulate;

@@ -14,6 +14,8 @@ pub enum Preset {
     /// Sky and noise from the image, sources by their significance, one setting for every sky.
     #[default]
     NoiseAware,
+    /// The same for frames of a star tracker: stars that stand out well, for places rather than outlines.
+    StarTracker,
     /// The paper's front (r3, g2mod, fd) with the sky, the filter, the separation and the selection of
     /// noise-aware.
     Rsa,
@@ -27,13 +29,14 @@ pub enum Preset {
 
 impl Preset {
     /// Every preset, the default first.
-    pub const ALL: [Preset; 5] =
-        [Preset::NoiseAware, Preset::Rsa, Preset::PaperF160, Preset::PaperReal, Preset::ChanVese];
+    pub const ALL: [Preset; 6] =
+        [Preset::NoiseAware, Preset::StarTracker, Preset::Rsa, Preset::PaperF160, Preset::PaperReal, Preset::ChanVese];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Preset::NoiseAware => "noise-aware",
+            Preset::StarTracker => "star-tracker",
             Preset::Rsa => "rsa",
             Preset::PaperF160 => "paper-f160",
             Preset::PaperReal => "paper-real",
@@ -45,6 +48,7 @@ impl Preset {
     pub fn config(self) -> Config {
         match self {
             Preset::NoiseAware => Config::NOISE_AWARE,
+            Preset::StarTracker => Config::STAR_TRACKER,
             Preset::Rsa => Config::RSA,
             Preset::PaperF160 => Config::PAPER_F160,
             Preset::PaperReal => Config::PAPER_REAL,

@@ -66,7 +66,7 @@ pub fn segment_in<A: Arithmetic>(
                 Stage::Rescale if drive.keep_stages => stages.rescaled = image(),
                 Stage::Filter if drive.keep_stages => stages.filtered = image(),
                 Stage::Edge if drive.keep_stages => stages.edge = image(),
-                Stage::Evolve | Stage::Arrive => {
+                Stage::Evolve | Stage::Arrive | Stage::Turn if segmenter.stage() != Stage::Turn => {
                     let front = segmenter.front();
                     let value = |&cell: &A::Cell| A::level(cell).to_f32();
                     match &mut drive.take_front {

@@ -31,6 +31,7 @@ pub mod mosaic;
 pub mod nothing;
 pub mod outline;
 pub mod outputs;
+pub mod packets;
 pub mod parallel;
 pub mod picture;
 pub mod pipeline;

@@ -126,6 +126,7 @@ fn name(stage: Stage) -> Option<&'static str> {
         Stage::Edge => Some("g"),
         Stage::Front => Some("u0"),
         Stage::Evolve | Stage::Arrive => Some("u"),
+        Stage::Turn => Some("turned"),
         Stage::Measure => Some("labels"),
         _ => None,
     }

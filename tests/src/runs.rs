@@ -41,14 +41,20 @@ pub fn every_kind<A: Arithmetic>() -> Vec<Config> {
         },
         Config { normalize: percentile, rescale: r1, filter: Filter::None, edge: Edge::G2, ..base },
         Config { filter: pm(Diffusivity::F2), order: Order::FilterFirst, filter_steps: 2, ..base },
-        Config { rescale: Rescale::R3 { beta: 3, tau: Tau::Value(0.3) }, ..base },
-        Config { rescale: r1, ..base },
+        Config {
+            rescale: Rescale::R3 { beta: 3, tau: Tau::Value(0.3) },
+            filter: Filter::TotalVariation { weight: 0.1 },
+            ..base
+        },
+        Config { rescale: r1, filter: Filter::Starlet { significance: 3.0 }, filter_steps: 3, ..base },
     ];
     let motions = MOTIONS.iter().zip(steps.iter().cycle()).map(|(motion, steps)| motion.of(*steps));
     let fine = Config { directions: 64, stop: Stop::Rate, ..base }.with_scheme(Scheme::Sl);
     let noise = Config {
         normalize: Normalize::Noise { below: 3.0, above: 20.0 },
         rescale: Rescale::R3 { beta: 4, tau: Tau::Noise { k: 4.0 } },
+        filter: Filter::Bilateral { contrast: 0.1 },
+        filter_steps: 2,
         order: Order::FilterFirst,
         start: Start::Threshold { margin: 3.0 },
         ..base

@@ -122,6 +122,26 @@
 #define SKYFRONT_ERROR_TABLE 19
 
 /*
+ A snapshot was not taken up, and the run that was to take it up has lost its memory.
+ */
+#define SKYFRONT_ERROR_NOT_RESTORED 20
+
+/*
+ The frame was changed by others while the run read it.
+ */
+#define SKYFRONT_ERROR_FRAME_CHANGED 21
+
+/*
+ The least bytes of a packet.
+ */
+#define SKYFRONT_PACKET_LEAST_BYTES 64
+
+/*
+ The most bytes of a packet; of more memory only as much is used.
+ */
+#define SKYFRONT_PACKET_MOST_BYTES 65535
+
+/*
  The parameter table of the setup.
  */
 #define SKYFRONT_PRESET_TABLE 0
@@ -175,6 +195,89 @@
  A run, in the caller's memory.
  */
 typedef struct skyfront_run skyfront_run;
+
+/*
+ Where the next packet of a product begins: {number of the product} before the first. A copy of it writes a
+ packet again.
+ */
+typedef struct skyfront_cursor {
+  /*
+   The caller's number of the product, such as that of the frame.
+   */
+  uint32_t product;
+  /*
+   Packets written.
+   */
+  uint32_t packet;
+  /*
+   Stars, pixels of the map, or cut-outs written.
+   */
+  uint32_t item;
+  /*
+   Pixels of the next cut-out written.
+   */
+  uint32_t pixel;
+} skyfront_cursor;
+
+/*
+ What a window holds, in 32 bytes.
+ */
+typedef struct skyfront_star {
+  /*
+   Column of the centre, pixels.
+   */
+  float x;
+  /*
+   Row of the centre, pixels.
+   */
+  float y;
+  /*
+   All light of the star, counts.
+   */
+  float flux;
+  /*
+   The flux over its standard deviation.
+   */
+  float snr;
+  /*
+   Variance of x, pixels squared.
+   */
+  float errx2;
+  /*
+   Variance of y, pixels squared.
+   */
+  float erry2;
+  /*
+   Covariance of x and y, pixels squared.
+   */
+  float errxy;
+  /*
+   SKYFRONT_STAR_... together.
+   */
+  uint32_t flags;
+} skyfront_star;
+
+/*
+ Where a star is expected, and how far around to look.
+ */
+typedef struct skyfront_window {
+  /*
+   Predicted column of the star, pixels.
+   */
+  float x;
+  /*
+   Predicted row of the star, pixels.
+   */
+  float y;
+  /*
+   Columns, 8 to 64.
+   */
+  uint16_t width;
+  /*
+   Rows, 8 to 64.
+   */
+  uint16_t height;
+} skyfront_window;
 
 /*
  A setting by its name, as `skyfront parameters` lists them: {"t-max", "30"}.
@@ -352,28 +455,6 @@ typedef struct skyfront_camera {
 } skyfront_camera;
 
 /*
- Where a star is expected, and how far around to look.
- */
-typedef struct skyfront_window {
-  /*
-   Predicted column of the star, pixels.
-   */
-  float x;
-  /*
-   Predicted row of the star, pixels.
-   */
-  float y;
-  /*
-   Columns, 8 to 64.
-   */
-  uint16_t width;
-  /*
-   Rows, 8 to 64.
-   */
-  uint16_t height;
-} skyfront_window;
-
-/*
  A pixel that is never to be used.
  */
 typedef struct skyfront_bad_pixel {
@@ -386,44 +467,6 @@ typedef struct skyfront_bad_pixel {
    */
   uint16_t y;
 } skyfront_bad_pixel;
-
-/*
- What a window holds, in 32 bytes.
- */
-typedef struct skyfront_star {
-  /*
-   Column of the centre, pixels.
-   */
-  float x;
-  /*
-   Row of the centre, pixels.
-   */
-  float y;
-  /*
-   All light of the star, counts.
-   */
-  float flux;
-  /*
-   The flux over its standard deviation.
-   */
-  float snr;
-  /*
-   Variance of x, pixels squared.
-   */
-  float errx2;
-  /*
-   Variance of y, pixels squared.
-   */
-  float erry2;
-  /*
-   Covariance of x and y, pixels squared.
-   */
-  float errxy;
-  /*
-   SKYFRONT_STAR_... together.
-   */
-  uint32_t flags;
-} skyfront_star;
 
 #ifdef __cplusplus
 extern "C" {
@@ -447,6 +490,67 @@ uint32_t skyfront_crc32(const uint8_t *bytes,
  What a number says, as a text that stays; "unknown error" for a number that is none.
  */
 const char *skyfront_error_text(int32_t error);
+
+/*
+ Writes the next packet of stars to `out`, and its bytes to `length`: 0 where all are written.
+
+ # Safety
+ `cursor`, `stars`, `out` and `length` point to one cursor, `count` stars, `bytes` bytes and one number.
+ */
+int32_t skyfront_packet_stars(struct skyfront_cursor *cursor,
+                              const struct skyfront_star *stars,
+                              size_t count,
+                              uint8_t *out,
+                              size_t bytes,
+                              size_t *length);
+
+/*
+ Writes the next packet of the map of labels of a run that has ended, as `skyfront_packet_stars` does.
+
+ # Safety
+ `run` was started; `cursor`, `out` and `length` as for `skyfront_packet_stars`.
+ */
+int32_t skyfront_packet_labels(struct skyfront_cursor *cursor,
+                               const struct skyfront_run *run,
+                               uint8_t *out,
+                               size_t bytes,
+                               size_t *length);
+
+/*
+ Writes the next packet of cut-outs, the parts of windows that lie in a frame of 16 bits per pixel, as
+ `skyfront_packet_stars` does.
+
+ # Safety
+ `pixels` points to `stride * (height - 1) + width` pixels, `windows` to `window_count` windows; `cursor`, `out` and
+ `length` as for `skyfront_packet_stars`.
+ */
+int32_t skyfront_packet_cutouts_u16(struct skyfront_cursor *cursor,
+                                    const uint16_t *pixels,
+                                    size_t width,
+                                    size_t height,
+                                    size_t stride,
+                                    const struct skyfront_window *windows,
+                                    size_t window_count,
+                                    uint8_t *out,
+                                    size_t bytes,
+                                    size_t *length);
+
+/*
+ The same of a frame of 8 bits per pixel.
+
+ # Safety
+ As for `skyfront_packet_cutouts_u16`.
+ */
+int32_t skyfront_packet_cutouts_u8(struct skyfront_cursor *cursor,
+                                   const uint8_t *pixels,
+                                   size_t width,
+                                   size_t height,
+                                   size_t stride,
+                                   const struct skyfront_window *windows,
+                                   size_t window_count,
+                                   uint8_t *out,
+                                   size_t bytes,
+                                   size_t *length);
 
 /*
  Bytes that a run needs; 0 where they cannot be counted.

@@ -45,8 +45,13 @@ pub const SKYFRONT_ERROR_INDEX: i32 = 18;
 /// The parameter table is damaged, or of another version.
 pub const SKYFRONT_ERROR_TABLE: i32 = 19;
 
+/// A snapshot was not taken up, and the run that was to take it up has lost its memory.
+pub const SKYFRONT_ERROR_NOT_RESTORED: i32 = 20;
+/// The frame was changed by others while the run read it.
+pub const SKYFRONT_ERROR_FRAME_CHANGED: i32 = 21;
+
 /// Their texts, in the order of the numbers.
-const TEXTS: [&CStr; 20] = [
+const TEXTS: [&CStr; 22] = [
     c"no error",
     c"a parameter is out of its bounds",
     c"the image has an unsupported size",
@@ -67,6 +72,8 @@ const TEXTS: [&CStr; 20] = [
     c"the run has not ended yet",
     c"there is no row or source of this number",
     c"the parameter table is damaged, or of another version",
+    c"the snapshot was not taken up: the run has lost its memory",
+    c"the frame was changed while it was worked on",
 ];
 
 /// What a number says, as a text that stays; "unknown error" for a number that is none.
@@ -91,6 +98,8 @@ pub(crate) fn number<E>(error: &Error<E>) -> i32 {
         Error::Front { .. } => SKYFRONT_ERROR_FRONT,
         Error::Waiting => SKYFRONT_ERROR_WAITING,
         Error::Corrupted { .. } => SKYFRONT_ERROR_CORRUPTED,
+        Error::FrameChanged => SKYFRONT_ERROR_FRAME_CHANGED,
+        Error::NotRestored => SKYFRONT_ERROR_NOT_RESTORED,
         Error::Frame(_) => SKYFRONT_ERROR_FRAME,
     }
 }
@@ -135,13 +144,15 @@ mod tests {
             (SKYFRONT_ERROR_FRAME, "deliver a row"),
             (SKYFRONT_ERROR_INDEX, "of this number"),
             (SKYFRONT_ERROR_TABLE, "table"),
+            (SKYFRONT_ERROR_NOT_RESTORED, "not taken up"),
+            (SKYFRONT_ERROR_FRAME_CHANGED, "was changed while"),
             (-1, "unknown"),
             (TEXTS.len() as i32, "unknown"),
         ] {
             assert!(text(number).is_ok_and(|text| text.contains(words)), "{number}: {words}");
         }
         assert_eq!((SKYFRONT_OK, SKYFRONT_ERROR_LENGTH, SKYFRONT_ERROR_FRAME, SKYFRONT_ERROR_INDEX), (0, 3, 13, 18));
-        assert_eq!(TEXTS.len(), 20);
+        assert_eq!(TEXTS.len(), 22);
     }
 
     #[test]

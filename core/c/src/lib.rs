@@ -25,11 +25,13 @@ extern crate std;
 
 mod error;
 mod memory;
+mod packet;
 mod pointer;
 mod run;
 mod track;
 
 pub use error::*;
+pub use packet::*;
 pub use run::*;
 pub use track::*;
 

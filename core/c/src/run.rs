@@ -357,6 +357,16 @@ impl Frame for Callback {
 }
 
 impl skyfront_run {
+    /// Columns and rows of the map of labels; none before the end.
+    pub(crate) fn labelled(&self) -> Option<(usize, usize)> {
+        self.outcome.is_some().then_some(self.size)
+    }
+
+    /// The label at a place in row-major order.
+    pub(crate) fn label(&self, at: usize) -> u32 {
+        self.segmenter.front().get(at).map_or(0, |cell| cell.label())
+    }
+
     fn poll(
         &mut self,
         rows: usize,

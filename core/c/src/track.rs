@@ -97,6 +97,8 @@ macro_rules! same {
     };
 }
 
+pub(crate) use same;
+
 same!(skyfront_camera, Camera: black, gain, read_noise, saturation, psf_sigma);
 same!(skyfront_window, Window: x, y, width, height);
 same!(skyfront_bad_pixel, BadPixel: x, y);

@@ -2,8 +2,8 @@
 //!
 //! A type lists its fields once, in `code`; whether they go out or come in is the codec's affair.
 
-use crate::arithmetic::Cell;
 use crate::arithmetic::digest::Digest;
+use crate::arithmetic::{Bits, Cell};
 
 /// Where fields go to or come from. Every byte passes through a running CRC-32.
 pub(crate) trait Codec {
@@ -23,6 +23,44 @@ pub(crate) trait Codec {
         self.word(&mut high)?;
         *value = u64::from(low) | u64::from(high) << 32;
         Ok(())
+    }
+
+    /// A count or an index, which is below 2^32.
+    fn size(&mut self, value: &mut usize) -> Result<(), Self::Error> {
+        let mut word = *value as u32;
+        self.word(&mut word)?;
+        *value = word as usize;
+        Ok(())
+    }
+
+    /// Yes or no.
+    fn flag(&mut self, value: &mut bool) -> Result<(), Self::Error> {
+        let mut word = u32::from(*value);
+        self.word(&mut word)?;
+        *value = word != 0;
+        Ok(())
+    }
+
+    /// The bits of a sum; what is no number comes in as 0.
+    fn double(&mut self, value: &mut f64) -> Result<(), Self::Error> {
+        let mut bits = value.to_bits();
+        self.long(&mut bits)?;
+        let read = f64::from_bits(bits);
+        *value = if read.is_finite() { read } else { 0.0 };
+        Ok(())
+    }
+
+    /// A number of any arithmetic.
+    fn bits<B: Bits>(&mut self, value: &mut B) -> Result<(), Self::Error> {
+        let mut bits = value.bits();
+        self.word(&mut bits)?;
+        *value = B::from_bits(bits);
+        Ok(())
+    }
+
+    /// A run of words.
+    fn words(&mut self, words: &mut [u32]) -> Result<(), Self::Error> {
+        words.iter_mut().try_for_each(|word| self.word(word))
     }
 
     /// The bits of a number; whoever reads it checks that it is one.

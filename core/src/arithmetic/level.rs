@@ -8,6 +8,8 @@ use core::ops::{Add, Sub};
 pub trait Level: Real + Cell + Sealed {
     /// The name of the arithmetic on the command line.
     const NAME: &'static str;
+    /// Its number in snapshots.
+    const CODE: u32;
     /// The sum of nothing.
     const NOTHING: Self::Sum;
     /// The most pixels along an axis.
@@ -32,12 +34,17 @@ pub trait Level: Real + Cell + Sealed {
     fn times(self, count: u32) -> Self::Sum;
     /// The part, from 0 to 10^6, of a sum.
     fn share(sum: Self::Sum, part: f32) -> Self::Sum;
+    /// The bits of a sum.
+    fn sum_bits(sum: Self::Sum) -> u64;
+    /// The sum that has these bits; 0 where they are no number's.
+    fn sum_of_bits(bits: u64) -> Self::Sum;
 }
 
 impl Sealed for f32 {}
 
 impl Level for f32 {
     const NAME: &'static str = "f32";
+    const CODE: u32 = 1;
     const NOTHING: f64 = 0.0;
     const LONGEST: usize = 1 << 30;
 
@@ -80,6 +87,15 @@ impl Level for f32 {
     fn share(sum: f64, part: f32) -> f64 {
         sum * f64::from(part)
     }
+
+    fn sum_bits(sum: f64) -> u64 {
+        sum.to_bits()
+    }
+
+    fn sum_of_bits(bits: u64) -> f64 {
+        let sum = f64::from_bits(bits);
+        if sum.is_finite() { sum } else { 0.0 }
+    }
 }
 
 impl Sealed for Fixed14 {}
@@ -88,6 +104,7 @@ impl Sealed for Fixed14 {}
 /// that. Sums are exact.
 impl Level for Fixed14 {
     const NAME: &'static str = "q24";
+    const CODE: u32 = 2;
     const NOTHING: i64 = 0;
     /// Twice a place must be within the range.
     const LONGEST: usize = 1 << 16;
@@ -132,6 +149,14 @@ impl Level for Fixed14 {
         let part = (part * 16_777_216.0) as i64;
         let share = (i128::from(sum) * i128::from(part)) >> 24;
         share.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64
+    }
+
+    fn sum_bits(sum: i64) -> u64 {
+        sum as u64
+    }
+
+    fn sum_of_bits(bits: u64) -> i64 {
+        bits as i64
     }
 }
 

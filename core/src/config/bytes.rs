@@ -182,8 +182,14 @@ mod tests {
     use std::string::ToString;
     use std::vec::Vec;
 
-    const PRESETS: [Config; 5] =
-        [Config::NOISE_AWARE, Config::RSA, Config::PAPER_F160, Config::PAPER_REAL, Config::CHAN_VESE];
+    const PRESETS: [Config; 6] = [
+        Config::NOISE_AWARE,
+        Config::STAR_TRACKER,
+        Config::RSA,
+        Config::PAPER_F160,
+        Config::PAPER_REAL,
+        Config::CHAN_VESE,
+    ];
 
     fn bytes(config: &Config) -> Vec<u8> {
         let mut bytes = std::vec![0; length()];

@@ -2,11 +2,13 @@
 
 #[deny(clippy::arithmetic_side_effects)]
 pub mod bytes;
+mod filter;
 mod parameter;
 mod sources;
 mod table;
 mod validate;
 
+pub use filter::{Diffusivity, Filter};
 pub use parameter::{End, Forms, Need, Numbers, Parameter, Range, Step, Value, Word};
 pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, narrow_area, part_area};
 pub use table::PARAMETERS;
@@ -77,56 +79,6 @@ pub enum Rescale {
         /// The threshold.
         tau: Tau,
     },
-}
-
-/// Step 3: the filter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Filter {
-    /// None.
-    None,
-    /// The heat equation (`schemacal`).
-    Heat,
-    /// Perona-Malik (`eq:PM`, doi:10.1109/34.56205).
-    PeronaMalik {
-        /// The diffusion coefficient.
-        diffusivity: Diffusivity,
-        /// The gradient at which diffusion falls off, in image units (0 to 1) per `dx`.
-        mu: f32,
-    },
-    /// The median of 3 x 3 pixels ([`crate::image::median`]).
-    Median,
-    /// Signal-to-noise smoothed by a Gaussian of 0.8 pixels ([`crate::sky`]).
-    Gauss,
-    /// The same, and more where nothing significant is lost by it.
-    Adaptive,
-}
-
-impl Filter {
-    /// The name of its step, by which the costs of a step are told; none for those that do not go over
-    /// the image plane in steps.
-    pub const fn step_name(self) -> &'static str {
-        match self {
-            Filter::None | Filter::Gauss | Filter::Adaptive => "none",
-            Filter::Heat => "heat",
-            Filter::Median => "median",
-            Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
-            Filter::PeronaMalik { diffusivity: Diffusivity::F2, .. } => "perona-malik-f2",
-        }
-    }
-
-    /// Whether it goes over the image plane in steps.
-    pub const fn is_stepped(self) -> bool {
-        !matches!(self, Filter::None | Filter::Gauss | Filter::Adaptive)
-    }
-}
-
-/// The diffusion coefficient of Perona-Malik, with `s = |grad I| / mu`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Diffusivity {
-    /// `1 / (1 + s^2)`.
-    F1,
-    /// `exp(-s^2)`.
-    F2,
 }
 
 /// Whether step 2 or step 3 comes first.
@@ -252,6 +204,15 @@ pub enum Start {
     Given,
 }
 
+/// Which way the front moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// It shrinks onto what it encloses: what it leaves is the objects.
+    Inward,
+    /// It grows from where it starts until edges hold it: what it has enclosed is the objects.
+    Outward,
+}
+
 /// Which pixels touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
@@ -298,8 +259,10 @@ pub struct Config {
     pub chan_vese: ChanVese,
     /// Form of the curvature averages.
     pub curvature_form: CurvatureForm,
-    /// The flat case of the curvature schemes begins at `|grad u| <= degenerate * dx`.
+    /// The flat case of the curvature schemes begins at `|grad u| <= degenerate * dx^degenerate_power`.
     pub degenerate: f32,
+    /// The power of dx there, 0 to 8.
+    pub degenerate_power: u16,
     /// Directions of the semi-Lagrangian minimum: 16 or 64.
     pub directions: u8,
     /// Width of a pixel.
@@ -316,6 +279,8 @@ pub struct Config {
     pub stop: Stop,
     /// Where the front starts.
     pub start: Start,
+    /// Which way it moves; outward from [`Start::Given`].
+    pub motion: Motion,
     /// The front is held in pixels and saturated to this half-width, or `None` for the paper's `u0`.
     pub band: Option<f32>,
     /// The outline of a run on signal-to-noise.
@@ -353,6 +318,7 @@ impl Config {
         chan_vese: ChanVese { mu: 0.005, lambda1: 1.0, lambda2: 1.0 },
         curvature_form: CurvatureForm::Consistent,
         degenerate: 0.1,
+        degenerate_power: 1,
         directions: 16,
         dx: 0.1,
         dt: 0.025,
@@ -361,6 +327,7 @@ impl Config {
         eps: 1e-3,
         stop: Stop::Paper,
         start: Start::Frame,
+        motion: Motion::Inward,
         band: None,
         outline: Outline::DEFAULT,
         separate: Separate::Components,
@@ -374,6 +341,14 @@ impl Config {
     /// The default: signal-to-noise outlined by a front from the threshold, divided by the tree of
     /// level sets, and kept by its significance; one setting for every kind of sky.
     pub const NOISE_AWARE: Config = Config { scheme: Scheme::Region, ..Config::RSA };
+
+    /// The default for frames of stars that a tracker is to recognise: those that stand out well, their light
+    /// not drawn aside by what is faint around them, without steps that only faint and wide sources need.
+    pub const STAR_TRACKER: Config = Config {
+        filter: Filter::Gauss,
+        outline: Outline { threshold: 2.0, steps: 0, ..Outline::DEFAULT },
+        ..Config::NOISE_AWARE
+    };
 
     /// The paper's front with what the default knows: its sky, its filter, its separation and its
     /// selection.

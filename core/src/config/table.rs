@@ -4,10 +4,11 @@
 //! the keys of configuration files, the headers of results and the manual. A new setting is a field
 //! of [`Config`] and an entry here.
 
+use super::filter;
 use super::parameter::{Access, Bounds, End, Need, Numbers, Parameter, Range, Slot, Step, Value, Word, word};
 use super::{
-    Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Normalize, Order, Rescale,
-    Scheme, Select, Separate, Start, Stop, Tau,
+    Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Motion, Normalize, Order,
+    Rescale, Scheme, Select, Separate, Start, Stop, Tau,
 };
 use crate::arithmetic::digest::Digest;
 use crate::error::Error;
@@ -99,11 +100,14 @@ table![
             "Where r3 begins to lift light: found by a rule in the image that is rescaled, or a value \
              between 0 and 1.",
         ),
-    choice("filter", "SFFILTER", FILTERS, filter, set_filter).at(Step::Filter, &[]).help("How noise is smoothed away."),
+    choice("filter", "SFFILTER", filter::WORDS, filter::get, filter::set)
+        .at(Step::Filter, &[])
+        .ranges_by(filter::ranges)
+        .help("How noise is smoothed away."),
     whole("filter-steps", "SFFSTEPS", |c| Some(Short(&mut c.filter_steps)))
         .at(Step::Filter, &[BY_PAPER, FILTERED])
-        .range(Range::within(0.0, 1000.0))
-        .help("Steps of the filter."),
+        .ranges_by(filter::step_ranges)
+        .help("Steps of the filter; of starlet the scales, 7 at most."),
     real("filter-dt", "SFFDT", |c| Some(Real(&mut c.filter_dt)))
         .at(Step::Filter, &[BY_PAPER, DIFFUSED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.dx * c.dx / 4.0)); 2])
@@ -159,6 +163,10 @@ table![
         .at(Step::Front, &[FLATTENED])
         .range(Range::above(0.0, End::At(1e3)))
         .help("Slope of the front, times dx, up to which it counts as flat where its curvature is taken."),
+    whole("degenerate-power", "SFDEGPOW", |c| Some(Short(&mut c.degenerate_power)))
+        .at(Step::Front, &[BENT])
+        .range(Range::within(0.0, 8.0))
+        .help("Power of dx in that slope."),
     choice("directions", "SFDIRS", DIRECTIONS, directions, set_directions)
         .at(Step::Front, &[Need { name: "scheme", words: &["sl", "sl-curvature"] }])
         .help("Directions of the semi-Lagrangian minimum."),
@@ -186,6 +194,9 @@ table![
     .unit("px")
     .range(Range::within(1.0, 100.0))
     .help("Distance from the outline of the threshold or the map to the front that starts there."),
+    choice("motion", "SFMOTION", MOTIONS, motion, set_motion)
+        .at(Step::Front, &[EDGE_HELD, Need { name: "start", words: &["map"] }])
+        .help("Which way the front moves."),
     real("dt", "SFDT", |c| Some(Real(&mut c.dt)))
         .at(Step::Front, &[STEPPED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.longest_step())); 2])
@@ -331,7 +342,7 @@ const BY_PAPER: Need = Need {
     words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "fast-marching"],
 };
 const BY_R3: Need = Need { name: "rescale", words: &["r3"] };
-const FILTERED: Need = Need { name: "filter", words: &["heat", "pm", "median"] };
+const FILTERED: Need = Need { name: "filter", words: filter::IN_STEPS };
 /// Those with a time step.
 const DIFFUSED: Need = Need { name: "filter", words: &["heat", "pm"] };
 const PERONA_MALIK: Need = Need { name: "filter", words: &["pm"] };
@@ -378,14 +389,6 @@ const THRESHOLDS: &[Word] = &[
     word("rosin", "corner of a histogram with one peak"),
     Word { name: "noise", numbers: Numbers::One(3.0), help: "X standard deviations of the noise above the sky" },
 ];
-const FILTERS: &[Word] = &[
-    word("none", "not at all"),
-    word("heat", "evenly, by the heat equation"),
-    word("pm", "less across edges, after Perona and Malik"),
-    word("median", "by the median of 3 x 3 pixels, in which spikes vanish and edges stay"),
-    word("gauss", "evenly, by a Gaussian of 0.8 pixels"),
-    word("adaptive", "by a Gaussian of 0.8 pixels, and more where nothing significant is lost by it"),
-];
 const DIFFUSIVITIES: &[Word] = &[word("f1", "1 / (1 + s^2)"), word("f2", "exp(-s^2)")];
 const ORDERS: &[Word] =
     &[word("rescale-first", "the algorithm as printed"), word("filter-first", "the paper's Test 2")];
@@ -411,6 +414,10 @@ const STARTS: &[Word] = &[
     word("frame", "at the image's border"),
     word("threshold", "near the objects: outside the pixels above tau, or above Otsu's threshold without r3"),
     word("map", "where a map says"),
+];
+const MOTIONS: &[Word] = &[
+    word("inward", "it shrinks from outside the map's pixels onto the objects"),
+    word("outward", "it grows from the map's pixels, the seeds, until edges hold it"),
 ];
 const STOPS: &[Word] =
     &[word("paper", "by its change in a step"), word("rate", "per unit of time, and no pixel changes sign")];
@@ -522,30 +529,6 @@ fn set_tau(config: &mut Config, value: Value) {
     }
 }
 
-fn filter(config: &Config) -> Option<Value> {
-    Some(Value::word(match config.filter {
-        Filter::None => "none",
-        Filter::Heat => "heat",
-        Filter::PeronaMalik { .. } => "pm",
-        Filter::Median => "median",
-        Filter::Gauss => "gauss",
-        Filter::Adaptive => "adaptive",
-    }))
-}
-
-/// The steps follow from the filter: those of the paper's Test 1 for heat, of Test 2 for Perona and Malik.
-fn set_filter(config: &mut Config, value: Value) {
-    (config.filter, config.filter_steps) = match (value.word, config.filter) {
-        (Some("none"), _) => (Filter::None, config.filter_steps),
-        (Some("median"), _) => (Filter::Median, 1),
-        (Some("gauss"), _) => (Filter::Gauss, config.filter_steps),
-        (Some("adaptive"), _) => (Filter::Adaptive, config.filter_steps),
-        (Some("heat"), _) => (Filter::Heat, Config::PAPER_F160.filter_steps),
-        (_, given @ Filter::PeronaMalik { .. }) => (given, Config::PAPER_REAL.filter_steps),
-        _ => (Config::PAPER_REAL.filter, Config::PAPER_REAL.filter_steps),
-    };
-}
-
 fn diffusivity(config: &Config) -> Option<Value> {
     match config.filter {
         Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => Some(Value::word("f1")),
@@ -628,6 +611,17 @@ fn set_start(config: &mut Config, value: Value) {
         (Some("map"), _) => Start::Given,
         _ => Start::Frame,
     };
+}
+
+fn motion(config: &Config) -> Option<Value> {
+    Some(Value::word(match config.motion {
+        Motion::Inward => "inward",
+        Motion::Outward => "outward",
+    }))
+}
+
+fn set_motion(config: &mut Config, value: Value) {
+    config.motion = if value.is("outward") { Motion::Outward } else { Motion::Inward };
 }
 
 fn band(config: &Config) -> Option<Value> {

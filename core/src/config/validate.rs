@@ -1,6 +1,6 @@
 //! What a configuration must fulfil: the bounds of its parameters, and what an arithmetic can do.
 
-use super::{ChanVese, Config, Edge, Filter, Scheme, Select, Separate, table};
+use super::{ChanVese, Config, Edge, Filter, Motion, Scheme, Select, Separate, Start, table};
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::error::Error;
 
@@ -19,7 +19,7 @@ impl Config {
                          a sky it runs in 16",
             });
         }
-        self.validate_range(A::NAME, A::LIMIT)?;
+        self.validate_range(A::NAME, A::LIMIT, A::Cell::BYTES)?;
         self.validate_curvature(A::NAME, A::LEAST_CURVATURE)?;
         if self.scheme == Scheme::FastMarching && A::Cell::BYTES < 4 {
             return Err(Error::Arithmetic {
@@ -65,21 +65,26 @@ impl Config {
                 return apart(choice, value, "sky", "mesh or frame");
             }
         }
-        match self.filter {
-            Filter::Heat if self.scheme == Scheme::Region => apart("filter", "heat", "scheme", "fd"),
-            Filter::PeronaMalik { .. } if self.scheme == Scheme::Region => apart("filter", "pm", "scheme", "fd"),
-            Filter::Median if self.scheme == Scheme::Region => apart("filter", "median", "scheme", "fd"),
-            _ => Ok(()),
+        if self.filter.is_stepped() && self.scheme == Scheme::Region {
+            return apart("filter", self.filter.name(), "scheme", "fd");
         }
+        if self.motion == Motion::Outward && self.start != Start::Given {
+            return apart("motion", "outward", "start", "map");
+        }
+        if self.motion == Motion::Outward && matches!(self.scheme, Scheme::Region | Scheme::ChanVese) {
+            return apart("motion", "outward", "scheme", "fd");
+        }
+        if self.filter.uses_front_plane() && self.start == Start::Given {
+            return apart("filter", self.filter.name(), "start", "frame or threshold");
+        }
+        Ok(())
     }
 
     /// Fixed point saturates: the coefficients that may be large must be inside its range.
-    fn validate_range(&self, name: &'static str, limit: f32) -> Result<(), Error> {
+    fn validate_range(&self, name: &'static str, limit: f32, cell_bytes: usize) -> Result<(), Error> {
         let out_of_range = |reason| Err(Error::Arithmetic { name, reason });
-        if let Filter::PeronaMalik { mu, .. } = self.filter
-            && 1.0 / (self.dx * mu) >= limit
-        {
-            return out_of_range("1 / (dx mu) must be below 128, the end of its range");
+        if let Some(reason) = self.filter.beyond(self.dx, limit, cell_bytes) {
+            return out_of_range(reason);
         }
         if matches!(self.edge, Edge::G1 { .. }) && 0.5 / self.dx >= limit {
             return out_of_range("g1 needs a dx above 1/256: 1 / (2 dx) must be below 128, the end of its range");

@@ -11,8 +11,10 @@ use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
-use crate::plane::rows::{row_of, row_of_mut};
+use crate::plane::rows::{row_of, row_of_mut, rows_of, rows_of_mut};
+use crate::plane::walk::Walk;
 use core::num::NonZero;
+use core::ops::Range;
 
 /// u is kept between minus and plus this.
 pub const BAND: f32 = 0.3;
@@ -52,10 +54,26 @@ impl<L: Level> Front<L> {
     /// [`ROWS`], and for as many of each band where more than one works. Cost: a pass per step, which
     /// computes near the front only.
     pub fn outline(&self, [signal, start]: [&[L]; 2], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
-        self.start(start, plane);
+        let _ = self.outline_in((&mut Walk::whole(), crew), [signal, start], plane, rows, grid);
+    }
+
+    /// The same in parts.
+    pub(crate) fn outline_in(
+        &self,
+        (walk, crew): (&mut Walk, &impl Crew),
+        [signal, start]: [&[L]; 2],
+        plane: &mut [u32],
+        rows: &mut [L],
+        grid: Grid,
+    ) -> Option<()> {
+        let width = grid.width.get();
+        walk.pass(grid.height, width, |part| {
+            self.start(rows_of(start, &part, width), rows_of_mut(plane, &part, width));
+        })?;
         for _ in 0..self.steps {
-            self.step(signal, plane, rows, grid, crew);
+            walk.pass(grid.height, width, |part| self.step_rows(part, signal, plane, rows, grid, crew))?;
         }
+        Some(())
     }
 
     /// u before the first step.
@@ -67,8 +85,21 @@ impl<L: Level> Front<L> {
 
     /// One step of [`Front::outline`].
     pub fn step(&self, signal: &[L], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
+        self.step_rows(0..grid.height, signal, plane, rows, grid, crew);
+    }
+
+    /// The same for all rows, or for some that go on where others ended.
+    pub(crate) fn step_rows(
+        &self,
+        part: Range<usize>,
+        signal: &[L],
+        plane: &mut [u32],
+        rows: &mut [L],
+        grid: Grid,
+        crew: &impl Crew,
+    ) {
         let width = grid.width.get();
-        let most = (rows.len() / grid.width / ROWS).max(1);
+        let most = if part.len() < grid.height { 1 } else { (rows.len() / grid.width / ROWS).max(1) };
         let band = (crew.rows(grid).max(grid.height.div_ceil(most)) * width).max(1);
         let bands = plane.len().div_ceil(band);
         // The first and the last row of every band, for its neighbours, who see the old ones.
@@ -83,13 +114,15 @@ impl<L: Level> Front<L> {
         let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings).enumerate();
         crew.each(bands, |(index, ((plane, signal), ring))| {
             let beside = [border((2 * index).checked_sub(1)), border(Some(2 * index + 2))];
-            self.band(signal, plane, ring, beside, (grid.width, crew));
+            self.band(part.clone(), signal, plane, ring, beside, (grid.width, crew));
         });
     }
 
-    /// A step of a band, between the old rows beside it; beyond the frame these are empty.
+    /// A step of a band, or of a part of the rows that are one, between the old rows beside it; beyond the frame these
+    /// are empty.
     fn band(
         &self,
+        part: Range<usize>,
         signal: &[L],
         plane: &mut [u32],
         ring: &mut [L],
@@ -99,10 +132,15 @@ impl<L: Level> Front<L> {
         let width = columns.get();
         let (mut rows, last) = (ring.chunks_exact_mut(width), (plane.len() / columns).saturating_sub(1));
         let (Some(mut below), Some(mut own), Some(mut above)) = (rows.next(), rows.next(), rows.next()) else { return };
-        read(plane.get(..width).unwrap_or(&[]), own);
-        // Beyond the frame u is what it is at its border.
-        copy(if before.is_empty() { own } else { before }, below);
-        for (y, signal) in signal.chunks_exact(width).enumerate() {
+        if part.start == 0 {
+            read(plane.get(..width).unwrap_or(&[]), own);
+            // Beyond the frame u is what it is at its border.
+            copy(if before.is_empty() { own } else { before }, below);
+        }
+        for _ in 0..part.start % RING {
+            (below, own, above) = (own, above, below);
+        }
+        for (y, signal) in signal.chunks_exact(width).enumerate().take(part.end).skip(part.start) {
             match (y == last, after.is_empty()) {
                 (false, _) => read(row_of(plane, width, y + 1), above),
                 (true, false) => copy(after, above),

@@ -62,6 +62,12 @@ impl Profile {
         }
     }
 
+    /// Turns a row of distances, told apart however far, into a front `margin` pixels outside, not saturated: one
+    /// that is to grow is as high around as it is deep inside.
+    pub fn around_row(&self, margin: f32, row: &mut [f32]) {
+        row.iter_mut().for_each(|cell| *cell = (margin - *cell) * self.pixel);
+    }
+
     /// Writes row `y` of `u0`.
     pub fn row<A: Arithmetic>(&self, y: usize, row: &mut [A::Cell]) {
         let (y, columns, rows) = (y as u32, self.width as u32, self.height as u32);

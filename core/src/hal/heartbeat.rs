@@ -1,11 +1,14 @@
 //! The sign of life for an external watchdog.
 
-use crate::arithmetic::Arithmetic;
+use crate::arithmetic::{Arithmetic, Level};
 use crate::error::Error;
 use crate::front::scheme::Evolve;
+use crate::plane::raster::Sample;
+use crate::run::extract::{self, Extractor};
 use crate::run::frame::Frame;
 use crate::run::outcome::Progress;
 use crate::run::segmenter::Segmenter;
+use core::convert::Infallible;
 use core::fmt;
 use embedded_hal::digital::OutputPin;
 
@@ -58,6 +61,19 @@ impl<P: OutputPin> Heartbeat<P> {
         frame: &mut F,
     ) -> Result<Progress, PollError<F::Error, P::Error>> {
         let progress = run.poll(self.rows, frame).map_err(PollError::Run)?;
+        self.beat().map_err(PollError::Pin)?;
+        Ok(progress)
+    }
+
+    /// Polls a run of the default, as [`Heartbeat::poll`] does one of the front.
+    ///
+    /// # Errors
+    /// [`PollError::Run`] or [`PollError::Pin`].
+    pub fn poll_extractor<L: Level, S: Sample>(
+        &mut self,
+        run: &mut Extractor<'_, '_, L, S>,
+    ) -> Result<extract::Progress, PollError<Infallible, P::Error>> {
+        let progress = run.poll(self.rows).map_err(PollError::Run)?;
         self.beat().map_err(PollError::Pin)?;
         Ok(progress)
     }

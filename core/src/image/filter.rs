@@ -1,11 +1,50 @@
-//! Step 3: the filter, one explicit time step a sweep.
+//! Step 3: the filter, pass by pass over the image plane.
+
+pub mod bilateral;
+pub mod median;
+pub mod median5;
+pub mod starlet;
+pub mod total_variation;
+pub mod window;
 
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Diffusivity, Filter};
-use crate::image::median::Median;
-use crate::plane::sweep::{Cross, Kernel, cross};
+use crate::plane::sweep::{Band, Cross, Halo, Kernel, advance, cross};
+use crate::sky::otsu::Histogram;
+use crate::sky::select::Select;
+use bilateral::Bilateral;
+use core::ops::Range;
+use median::Median;
+use median5::Median5;
+use starlet::Starlet;
+use total_variation::TotalVariation;
 
-/// One step of whichever filter a configuration has in steps.
+/// What a filter works in.
+#[derive(Debug)]
+pub struct Planes<'a, C> {
+    /// The image, W x H.
+    pub image: &'a mut [C],
+    /// The front plane, W x H, in which no front lies yet: only for filters that say so
+    /// ([`Filter::uses_front_plane`]).
+    pub spare: &'a mut [C],
+    /// At least three padded rows ([`crate::plane::sweep::ring_len`]).
+    pub ring: &'a mut [C],
+    /// Columns.
+    pub width: usize,
+}
+
+/// The median of what a filter asks for in its first passes.
+#[derive(Debug)]
+pub struct Measured<'a> {
+    /// The search, while it goes on.
+    pub select: &'a Select,
+    /// Its counts.
+    pub counts: &'a mut Histogram,
+    /// What was found.
+    pub value: f32,
+}
+
+/// Whichever filter a configuration has in steps.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyFilter<A: Arithmetic> {
     /// None of them.
@@ -14,8 +53,16 @@ pub enum AnyFilter<A: Arithmetic> {
     Heat(Heat<A>),
     /// Perona-Malik.
     PeronaMalik(PeronaMalik<A>),
-    /// The median.
+    /// The median of 3 x 3.
     Median(Median),
+    /// The median of 5 x 5.
+    Median5(Median5),
+    /// Near in place and brightness.
+    Bilateral(Bilateral<A>),
+    /// Total variation.
+    TotalVariation(TotalVariation<A>),
+    /// Significant details.
+    Starlet(Starlet),
 }
 
 impl<A: Arithmetic> AnyFilter<A> {
@@ -29,19 +76,42 @@ impl<A: Arithmetic> AnyFilter<A> {
                 AnyFilter::PeronaMalik(PeronaMalik::new(config, diffusivity, mu))
             }
             Filter::Median => AnyFilter::Median(Median),
+            Filter::Median5 => AnyFilter::Median5(Median5),
+            Filter::Bilateral { contrast } => AnyFilter::Bilateral(Bilateral::new(contrast)),
+            Filter::TotalVariation { weight } => AnyFilter::TotalVariation(TotalVariation::new(weight)),
+            Filter::Starlet { significance } => AnyFilter::Starlet(Starlet::new(significance)),
+        }
+    }
+
+    /// Does some rows of a pass of so many steps; those of one pass in order.
+    #[inline(always)]
+    pub fn rows(
+        &mut self,
+        planes: &mut Planes<'_, A::Cell>,
+        pass: (u32, u16),
+        measured: Measured<'_>,
+        rows: Range<usize>,
+    ) {
+        match self {
+            AnyFilter::None => {}
+            AnyFilter::Heat(filter) => planes.sweep::<A>(filter, rows),
+            AnyFilter::PeronaMalik(filter) => planes.sweep::<A>(filter, rows),
+            AnyFilter::Median(filter) => planes.sweep::<A>(filter, rows),
+            AnyFilter::Median5(filter) => window::rows::<A>(filter, planes, rows),
+            AnyFilter::Bilateral(filter) => window::rows::<A>(filter, planes, rows),
+            AnyFilter::TotalVariation(filter) => filter.rows(planes, pass, rows),
+            AnyFilter::Starlet(filter) => filter.rows::<A>(planes, pass, measured, rows),
         }
     }
 }
 
-impl<A: Arithmetic> Kernel<A, 3> for AnyFilter<A> {
+impl<C> Planes<'_, C> {
+    /// Some rows of a pass with a kernel of three rows.
     #[inline(always)]
-    fn row(&mut self, old: &[&[A::Cell]; 3], aux: &[A::Cell], new: &mut [A::Cell]) {
-        match self {
-            AnyFilter::None => {}
-            AnyFilter::Heat(filter) => filter.row(old, aux, new),
-            AnyFilter::PeronaMalik(filter) => filter.row(old, aux, new),
-            AnyFilter::Median(filter) => Kernel::<A, 3>::row(filter, old, aux, new),
-        }
+    fn sweep<A: Arithmetic<Cell = C>>(&mut self, kernel: &mut impl Kernel<A, 3>, rows: Range<usize>) {
+        let Planes { image, ring, width, .. } = self;
+        let mut band = Band { plane: image, aux: &[], ring, width: *width, halo: Halo::NONE };
+        advance::<A, _, 3>(kernel, &mut band, rows);
     }
 }
 

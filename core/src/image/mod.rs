@@ -2,6 +2,5 @@
 //! that faint objects stand out, and noise is smoothed away.
 
 pub mod filter;
-pub mod median;
 pub mod normalize;
 pub mod rescale;

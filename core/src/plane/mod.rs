@@ -8,10 +8,15 @@ pub(crate) mod beside;
 pub mod crew;
 pub mod field;
 pub mod grid;
+pub mod lattice;
 pub mod mask;
 pub mod part;
+#[deny(clippy::arithmetic_side_effects)]
+pub mod raster;
 pub mod rows;
 pub mod smooth;
 pub mod sort;
 pub mod sweep;
 pub mod tiles;
+#[deny(clippy::arithmetic_side_effects)]
+pub(crate) mod walk;

@@ -6,6 +6,7 @@
 
 use crate::arithmetic::Level;
 use crate::plane::sort::{Keys, SAMPLES};
+use crate::plane::walk::Walk;
 use core::fmt::Debug;
 use core::num::NonZero;
 use core::ops::Range;
@@ -133,20 +134,22 @@ impl Part {
 }
 
 /// The keys of the values of a frame of `count` pixels, or of all parts of an image, the least first: of a
-/// sample, or of all pixels. `None` while the parts have not answered.
+/// sample, or of all pixels. Within, `None` while the parts have not answered.
 pub(crate) fn sorted<'k, L: Level>(
+    walk: &mut Walk,
     whole: Option<(&'k dyn Whole, Question)>,
     (count, width, sampled): (usize, usize, bool),
     keys: &'k mut Keys<'_>,
     value: impl Fn(usize) -> Option<L>,
-) -> Option<&'k [u32]> {
+) -> Option<Option<&'k [u32]>> {
     let Some((whole, question)) = whole else {
         let stride = if sampled { keys.stride(count) } else { 1 };
-        return Some(keys.sorted((0..count).step_by(stride).filter_map(value)));
+        let values = |items: Range<usize>| items.filter_map(|item| value(item.saturating_mul(stride)));
+        return keys.gather(walk, (count.div_ceil(stride.max(1)), 1), values).map(Some);
     };
     let part = whole.part();
     let stride = if sampled { part.stride() } else { 1 };
-    whole.words(question, &mut part.sample(width, stride).filter_map(|at| value(at).map(Level::key)))
+    Some(whole.words(question, &mut part.sample(width, stride).filter_map(|at| value(at).map(Level::key))))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The rows of a plane.
 
+use core::ops::Range;
+
 /// Row `y` of a row-major plane; empty beyond its end.
 #[inline]
 pub fn row_of<T>(plane: &[T], width: usize, y: usize) -> &[T] {
@@ -12,6 +14,18 @@ pub fn row_of<T>(plane: &[T], width: usize, y: usize) -> &[T] {
 pub fn row_of_mut<T>(plane: &mut [T], width: usize, y: usize) -> &mut [T] {
     let start = y.saturating_mul(width);
     plane.get_mut(start..start.saturating_add(width)).unwrap_or(&mut [])
+}
+
+/// Some rows of a row-major plane; none where not all of them are there.
+#[inline]
+pub fn rows_of<'p, T>(plane: &'p [T], rows: &Range<usize>, width: usize) -> &'p [T] {
+    plane.get(rows.start.saturating_mul(width)..rows.end.saturating_mul(width)).unwrap_or(&[])
+}
+
+/// Some rows of a row-major plane, to write to; none where not all of them are there.
+#[inline]
+pub fn rows_of_mut<'p, T>(plane: &'p mut [T], rows: &Range<usize>, width: usize) -> &'p mut [T] {
+    plane.get_mut(rows.start.saturating_mul(width)..rows.end.saturating_mul(width)).unwrap_or(&mut [])
 }
 
 /// Cells that are looked at together for a bit.
@@ -31,9 +45,26 @@ pub fn next_with(plane: &[u32], from: usize, bits: u32) -> Option<usize> {
     rest.get(blank..)?.iter().position(has).map(|at| from + blank + at)
 }
 
+/// The last cell before `end` that has one of the `bits`.
+pub fn last_with(plane: &[u32], end: usize, bits: u32) -> Option<usize> {
+    let rest = plane.get(..end)?;
+    let has = |cell: &u32| cell & bits != 0;
+    if rest.last().is_some_and(has) {
+        return Some(end - 1);
+    }
+    let is_blank = |piece: &&[u32]| piece.iter().fold(0, |any, cell| any | cell) & bits == 0;
+    let blank = PIECE * rest.rchunks(PIECE).take_while(is_blank).count();
+    rest.get(..end.saturating_sub(blank))?.iter().rposition(has)
+}
+
 /// The cells that are not 0, with their indices.
 pub fn used(plane: &[u32]) -> impl Iterator<Item = (usize, u32)> {
-    let mut next = 0;
+    used_in(plane, 0..plane.len())
+}
+
+/// The same of some of the cells.
+pub fn used_in(plane: &[u32], cells: Range<usize>) -> impl Iterator<Item = (usize, u32)> {
+    let (mut next, plane) = (cells.start, plane.get(..cells.end).unwrap_or(&[]));
     core::iter::from_fn(move || {
         let at = next_with(plane, next, u32::MAX)?;
         next = at + 1;
@@ -46,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_cell_with_a_bit_is_met_once() {
+    fn every_cell_with_a_bit_is_met_once_in_either_direction() {
         for length in [0, 1, 15, 16, 17, 100] {
             for gap in [1, 2, 16, 17, 40, 1000] {
                 let mut plane = [0; 100];
@@ -55,6 +86,8 @@ mod tests {
                 let expected = || (0..length).filter(|at| at % gap == gap / 2);
                 let next = |from: usize| next_with(plane, from, 2);
                 assert!(core::iter::successors(next(0), |at| next(at + 1)).eq(expected()), "{length} {gap}");
+                let last = |end: usize| last_with(plane, end, 4);
+                assert!(core::iter::successors(last(length), |at| last(*at)).eq(expected().rev()), "{length} {gap}");
                 plane.iter_mut().for_each(|cell| *cell &= 2);
                 assert!(used(plane).eq(expected().map(|at| (at, 2))), "{length} {gap}");
             }

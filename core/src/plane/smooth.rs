@@ -6,6 +6,7 @@ use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::mask::{MaskMut, WORD};
 use crate::plane::rows::{row_of, row_of_mut};
+use core::ops::Range;
 
 /// The most weights of a kernel on one side of its centre.
 pub const RADIUS: usize = 12;
@@ -45,11 +46,26 @@ impl Weights {
     /// each of several. Each sum
     /// begins with the centre and goes outwards. Cost: `4 radius` additions per pixel.
     pub fn apply<L: Level>(&self, from: &[L], room: &mut [L], to: &mut [L], grid: Grid, crew: &impl Crew) {
-        let (width, rows) = (grid.width.get(), rows_of_band(room.len(), grid, crew));
+        self.apply_rows(0..grid.height, from, room, to, grid, crew);
+    }
+
+    /// The same for all rows, or for some that go on where others ended.
+    pub(crate) fn apply_rows<L: Level>(
+        &self,
+        part: Range<usize>,
+        from: &[L],
+        room: &mut [L],
+        to: &mut [L],
+        grid: Grid,
+        crew: &impl Crew,
+    ) {
+        let (width, rows) = (grid.width.get(), rows_of_part(&part, rows_of_band(room.len(), grid, crew), grid));
         let bands = (0..).step_by(rows).zip(to.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept(grid)));
         crew.each(bands, |((first, to), room)| {
-            let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
-            for (y, out) in (first..).zip(to.chunks_exact_mut(width)) {
+            let (mut ring, start) = (Ring::new(self, room, first + rows, grid), part.start.max(first));
+            let mut next = ring.next(first, start);
+            let out = to.chunks_exact_mut(width).skip(start - first);
+            for (y, out) in (start..part.end).zip(out) {
                 ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
                 ring.add(y, out, None, crew);
             }
@@ -58,16 +74,33 @@ impl Weights {
 
     /// Marks the pixels of `from` that are above `level` once smoothed, and no others.
     pub fn mark<L: Level>(&self, from: &[L], level: L, room: &mut [L], to: MaskMut<'_>, grid: Grid, crew: &impl Crew) {
+        self.mark_rows(0..grid.height, (from, level), room, to, grid, crew);
+    }
+
+    /// The same for all rows, or for some that go on where others ended.
+    pub(crate) fn mark_rows<L: Level>(
+        &self,
+        part: Range<usize>,
+        (from, level): (&[L], L),
+        room: &mut [L],
+        to: MaskMut<'_>,
+        grid: Grid,
+        crew: &impl Crew,
+    ) {
         // A word of the mask is of one band only.
-        let rows = rows_of_band(room.len(), grid, crew).next_multiple_of(WORD).max(WORD);
+        let rows = rows_of_part(&part, rows_of_band(room.len(), grid, crew), grid).next_multiple_of(WORD).max(WORD);
         let (width, kept) = (grid.width.get(), kept(grid));
         let bands = (0..).step_by(rows).zip(to.0.chunks_mut((rows / WORD * width).max(1))).zip(room.chunks_mut(kept));
         crew.each(bands, |((first, words), room)| {
             let (out, room) = room.split_at_mut_checked(width).unwrap_or_default();
-            let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first.saturating_sub(self.radius));
-            words.fill(0);
-            let mut mask = MaskMut(words);
-            for (row, y) in (first..grid.height.min(first + rows)).enumerate() {
+            let (mut ring, start) = (Ring::new(self, room, first + rows, grid), part.start.max(first));
+            let mut next = ring.next(first, start);
+            for y in start..part.end.min(first + rows) {
+                let row = y - first;
+                // The words that begin in this row.
+                let begun = (row * width).div_ceil(WORD)..((row + 1) * width).div_ceil(WORD);
+                words.get_mut(begun).unwrap_or(&mut []).fill(0);
+                let mut mask = MaskMut(words);
                 ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
                 ring.add(y, out, None, crew);
                 for (x, piece) in (0..).step_by(WORD).zip(out.chunks(WORD)) {
@@ -83,8 +116,21 @@ impl Weights {
     /// Adds to a plane `strength` times what smoothing takes from it: an unsharp mask. For `room` see
     /// [`Weights::apply`].
     pub fn sharpen<L: Level>(&self, plane: &mut [L], room: &mut [L], grid: Grid, strength: f32, crew: &impl Crew) {
+        self.sharpen_rows(0..grid.height, plane, room, grid, strength, crew);
+    }
+
+    /// The same for all rows, or for some that go on where others ended.
+    pub(crate) fn sharpen_rows<L: Level>(
+        &self,
+        part: Range<usize>,
+        plane: &mut [L],
+        room: &mut [L],
+        grid: Grid,
+        strength: f32,
+        crew: &impl Crew,
+    ) {
         let (width, radius, kept) = (grid.width.get(), self.radius, kept(grid));
-        let rows = rows_of_band(room.len(), grid, crew);
+        let rows = rows_of_part(&part, rows_of_band(room.len(), grid, crew), grid);
         // What lies beside a band is smoothed before it changes.
         let before = &*plane;
         let firsts = (0..grid.height).step_by(rows);
@@ -97,8 +143,9 @@ impl Weights {
         let bands = (0..).step_by(rows).zip(plane.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept));
         let gain = L::Weight::of(1.0 + strength);
         crew.each(bands, |((first, plane), room)| {
-            let (mut ring, mut next) = (Ring::new(self, room, first + rows, grid), first);
-            for y in first..first + plane.len() / grid.width {
+            let (mut ring, start) = (Ring::new(self, room, first + rows, grid), part.start.max(first));
+            let mut next = if start == first { first } else { ring.next(first, start) };
+            for y in start..part.end.min(first + plane.len() / grid.width) {
                 ring.follow(y, &mut next, |y| row_of(plane, width, y - first), crew);
                 let out = row_of_mut(plane, width, y - first);
                 out.iter_mut().for_each(|value| *value = value.scaled(gain));
@@ -139,6 +186,12 @@ impl<'a, L: Level> Ring<'a, L> {
     /// For a band that ends before row `end`.
     fn new(weights: &'a Weights, rows: &'a mut [L], end: usize, grid: Grid) -> Self {
         Ring { weights, rows, end, grid }
+    }
+
+    /// The first row that is still to be smoothed when `start` is the next of a band from `first` on.
+    fn next(&self, first: usize, start: usize) -> usize {
+        let radius = self.weights.radius;
+        if start == first { first.saturating_sub(radius) } else { self.grid.height.min(start + radius) }
     }
 
     /// Where a row lies.
@@ -245,6 +298,11 @@ fn kept(grid: Grid) -> usize {
 fn rows_of_band(room: usize, grid: Grid, crew: &impl Crew) -> usize {
     let bands = (room / kept(grid)).max(1);
     crew.rows(grid).max(grid.height.div_ceil(bands)).max(1)
+}
+
+/// Rows of a band, all there are where only some are to be done.
+fn rows_of_part(part: &Range<usize>, of_band: usize, grid: Grid) -> usize {
+    if part.len() < grid.height { grid.height.max(1) } else { of_band }
 }
 
 /// What lies at a distance on both sides, and its weight.

@@ -5,6 +5,8 @@
 //! 32 bits; of single precision -0 and +0 are neighbours.
 
 use crate::arithmetic::Level;
+use crate::plane::walk::Walk;
+use core::ops::Range;
 
 /// Values of a byte.
 const BYTES: usize = 1 << u8::BITS;
@@ -78,6 +80,67 @@ fn by_digit<const VALUES: usize>(
     }
 }
 
+/// The same in parts, by bytes; at once where all may be done now.
+pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) -> Option<()> {
+    if walk.is_open() {
+        return walk.once(items.len(), || by_key(items, spare, key));
+    }
+    let (count, spare) = (items.len(), spare.get_mut(..items.len()).unwrap_or(&mut []));
+    walk.tally(count, 1, |tally, range| {
+        let wider = |(least, greatest): (u32, u32), &item: &u32| (key(item).min(least), key(item).max(greatest));
+        let known = if range.start == 0 { (u32::MAX, 0) } else { tally.keys };
+        tally.keys = part_of(items, range).iter().fold(known, wider);
+    })?;
+    let (least, greatest) = walk.tally.keys;
+    let distance = greatest.saturating_sub(least);
+    let (mut from, mut to) = (items, spare);
+    for shift in [0, 8, 16, 24] {
+        let (is_needed, last) = (distance >> shift > 0, count.saturating_sub(1));
+        let byte = |item: u32| usize::from((key(item).wrapping_sub(least) >> shift) as u8);
+        let count = if is_needed { count } else { 0 };
+        walk.tally(count, 1, |tally, range| {
+            if range.start == 0 {
+                tally.places.fill(0);
+            }
+            let is_last = range.end > last;
+            for &item in part_of(from, range) {
+                if let Some(count) = tally.places.get_mut(byte(item)) {
+                    *count = count.wrapping_add(1);
+                }
+            }
+            if is_last {
+                let mut before = 0u32;
+                for place in &mut tally.places {
+                    (*place, before) = (before, before.wrapping_add(*place));
+                }
+            }
+        })?;
+        walk.tally(count, 1, |tally, range| {
+            for &item in part_of(from, range) {
+                if let Some(place) = tally.places.get_mut(byte(item)) {
+                    if let Some(out) = to.get_mut(*place as usize) {
+                        *out = item;
+                    }
+                    *place = place.wrapping_add(1);
+                }
+            }
+        })?;
+        if is_needed {
+            core::mem::swap(&mut from, &mut to);
+        }
+    }
+    // Sorted by one byte or three, they lie in the spare room.
+    let is_elsewhere = (distance > 0 && distance >> 8 == 0) || (distance >> 16 > 0 && distance >> 24 == 0);
+    walk.pass(if is_elsewhere { count } else { 0 }, 1, |range| {
+        let places = to.iter_mut().zip(from.iter()).take(range.end).skip(range.start);
+        places.for_each(|(to, from)| *to = *from);
+    })
+}
+
+fn part_of(items: &[u32], range: Range<usize>) -> &[u32] {
+    items.get(range).unwrap_or(&[])
+}
+
 /// Sorts a few items by insertion; `precedes` says whether one comes before another.
 pub fn few<T: Copy>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
     for end in 1..items.len() {
@@ -128,6 +191,32 @@ impl Keys<'_> {
             }
         });
         self.sort(count)
+    }
+
+    /// The same in parts, of the values of so many items, each with the work of `cost` cells.
+    pub(crate) fn gather<L: Level, V: Iterator<Item = L>>(
+        &mut self,
+        walk: &mut Walk,
+        (items, cost): (usize, usize),
+        values: impl FnOnce(Range<usize>) -> V,
+    ) -> Option<&[u32]> {
+        walk.tally(items, cost, |tally, range| {
+            if range.start == 0 {
+                tally.count = 0;
+            }
+            let mut free = self.0.get_mut(tally.count..).unwrap_or(&mut []).iter_mut();
+            // From within, which of nested iterators makes nested loops.
+            values(range).for_each(|value| {
+                if let Some(out) = free.next() {
+                    *out = value.key();
+                    tally.count = tally.count.saturating_add(1);
+                }
+            });
+        })?;
+        let count = walk.tally.count.min(self.0.len());
+        let keys = self.0.get_mut(..count).unwrap_or(&mut []);
+        by_key_in(walk, keys, self.1, |key| key)?;
+        Some(keys)
     }
 
     /// Sorts the first keys that were laid there, the least first.
@@ -187,6 +276,13 @@ mod tests {
                 by_key(&mut items[..count], &mut spare[..room], key);
                 expected[..count].sort_by_key(|&item| key(item));
                 assert_eq!(items, expected, "{shared:x}, {count} items, room for {room}");
+                let (mut items, mut walk) = (core::array::from_fn::<u32, MANY, _>(|i| i as u32), Walk::whole());
+                let mut sort = |cells: usize| {
+                    walk.resume(cells);
+                    by_key_in(&mut walk, &mut items[..count], &mut spare[..room], key)
+                };
+                while sort(100).is_none() {}
+                assert_eq!(items, expected, "{shared:x}, {count} items in parts");
             }
         }
     }

@@ -7,8 +7,10 @@
 
 use crate::arithmetic::Exponent;
 use crate::config::{Config, Edge, Rescale, Scheme, Tau};
+use crate::plane::sort::SAMPLES;
 use crate::run::plan::Plan;
 use crate::run::stage::Stage;
+use crate::sky::mesh_cells;
 
 /// The most passes over the rows that a stage can take, whatever the image.
 pub fn passes(config: &Config, stage: Stage) -> u32 {
@@ -24,6 +26,45 @@ pub fn rows(config: &Config, height: usize, stage: Stage) -> u64 {
 pub fn total_rows(config: &Config, height: usize) -> u64 {
     Plan::of(config).total_rows(height)
 }
+
+/// The most work of a run on signal-to-noise ([`crate::run::extract`]) with so many regions, in cells: a pixel of a
+/// pass, a key of a sort or a region of the table. An upper bound of what each pass can need; a field of stars takes a
+/// third of it.
+pub const fn cells(config: &Config, (width, height): (usize, usize), regions: usize) -> u64 {
+    let pixels = (width as u64).saturating_mul(height as u64);
+    let sample = if pixels < SAMPLES as u64 { pixels } else { SAMPLES as u64 };
+    let cells = mesh_cells(width, height, config.sky.cell()) as u64;
+    let steps = config.outline.steps as u64;
+    pixels
+        .saturating_mul(PASSES.saturating_add(steps))
+        .saturating_add(sample.saturating_mul(SAMPLE_PASSES))
+        .saturating_add((regions as u64).saturating_mul(REGION_PASSES))
+        .saturating_add(cells.saturating_mul(CELL_PASSES))
+        .saturating_add(FIXED)
+}
+
+/// The most polls of so many rows in which a run with that work ends: each does at least half of what it may, or ends a
+/// step.
+pub const fn polls(cells: u64, width: usize, rows: usize) -> u64 {
+    let each = (width as u64).saturating_mul(if rows > 1 { rows as u64 } else { 1 });
+    let each = if each > 1 { each } else { 1 };
+    cells.saturating_mul(2).div_ceil(each).saturating_add(MOST_STEPS)
+}
+
+/// Passes over all pixels: 3 for the values, 24 for background and signal, 27 for smoothing, 16 for the mask, 44 for the
+/// photon noise, 1 for the front's start, 30 for the tree, 96 for deblending, 17 for the selection.
+const PASSES: u64 = 258;
+/// Passes over a sample: 14 sorts of 11, and what its values tell.
+const SAMPLE_PASSES: u64 = 174;
+/// Passes over the regions.
+const REGION_PASSES: u64 = 60;
+/// Passes over the cells of the mesh, half of them its copy: up to 128 rings of unknown cells are filled from eight
+/// neighbours each, three times.
+const CELL_PASSES: u64 = 3 * 4 * 130;
+/// The frame's typical source.
+const FIXED: u64 = 160_000;
+/// Steps of a run, none of which ends in the middle of a poll.
+const MOST_STEPS: u64 = 20;
 
 /// What a stage does in a configuration, as a word: work for a pixel is alike where stage and word
 /// are, and `host/src/cli/resources.txt` has the instructions for each pair.

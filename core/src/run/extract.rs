@@ -12,6 +12,9 @@
 //! single precision has no more to do than what there is once a frame or region: the cut, the
 //! photon noise, the centres of wide regions.
 
+pub mod snapshot;
+mod state;
+
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Filter, Select};
 use crate::error::Error;
@@ -21,19 +24,19 @@ use crate::plane::field::Field;
 use crate::plane::grid::Grid;
 use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{Question, Whole};
+use crate::plane::raster::{Raster, Sample};
+use crate::plane::rows::rows_of_mut;
 use crate::plane::sort::Keys;
+use crate::plane::walk::Walk;
+use crate::run::budget;
 use crate::run::plan::{Plan, ROUNDS};
 use crate::run::stage::Stage;
 use crate::run::workspace::Workspace;
 use crate::sky::view::{Known, View};
 use crate::sky::{LEAST_PIXELS, Sky, Survey, Values, photon, signal};
-use crate::sources::selection::{self, Cut, Kept};
+use crate::sources::selection;
 use crate::sources::separate;
-use crate::sources::tree::{Count, Noise};
-
-/// A source is masked when a pixel of it stands this high above the noise: noise peaks are not,
-/// for without them the sky would be biased low.
-const MASKED_PEAK: f32 = 3.5;
+use state::State;
 
 /// What a run found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,30 +74,23 @@ pub enum Progress {
 
 /// A run over a frame in the caller's memory.
 #[derive(Debug)]
-pub struct Extractor<'a, 'm, L: Level> {
+pub struct Extractor<'a, 'm, L: Level, P = f32> {
     config: Config,
-    pixels: &'a [f32],
     grid: Grid,
-    view: View<'a>,
+    view: View<'a, P>,
     work: Workspace<'m, L>,
-    /// Steps of the plan that are done.
-    done: usize,
-    masked_from: L,
-    noise: Noise<L>,
-    count: Count,
-    cut: Cut,
-    kept: Kept,
-    survey: Survey,
-    unreached: u32,
+    state: State<L>,
+    /// The most work.
+    bound: u64,
+    /// What ended the run before its end.
+    ended: Option<Error>,
 }
 
 impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     /// Sets up a run over `pixels` (row-major, not finite = undefined).
     ///
     /// # Errors
-    /// What [`Config::validate_values`] finds, [`Error::Together`] for a configuration without a sky,
-    /// [`Error::Size`], [`Error::Length`] for memory or maps of another size, or [`Error::Arithmetic`]
-    /// for a side longer than [`Level::LONGEST`].
+    /// Those of [`Extractor::over`].
     pub fn new(
         config: &Config,
         pixels: &'a [f32],
@@ -102,26 +98,58 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
         known: Known<'a>,
         work: Workspace<'m, L>,
     ) -> Result<Self, Error> {
+        Extractor::set_up(config, (Raster::of(pixels, width), pixels.len(), width), known, work)
+    }
+}
+
+impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
+    /// Sets up a run over a frame as it lies in memory, in single precision or in a camera's counts. What comes out
+    /// has the bits of a run over the same numbers in single precision.
+    ///
+    /// Each row is read seven times, and a sample of at most 65536 pixels once more; where pixels are undefined, some
+    /// are looked at again. A frame that others may write to meanwhile ([`Sample::CHANGES`]) is summed up as it is
+    /// read, and where pixels are undefined read once more at the end.
+    ///
+    /// # Errors
+    /// What [`Config::validate_values`] finds, [`Error::Together`] for a configuration without a sky,
+    /// [`Error::Size`], [`Error::Length`] for memory or maps of another size, [`Error::Arithmetic`]
+    /// for a side longer than [`Level::LONGEST`], or [`Error::Parameter`] for bad pixels that are not in order.
+    pub fn over(
+        config: &Config,
+        frame: Raster<'a, P>,
+        known: Known<'a>,
+        work: Workspace<'m, L>,
+    ) -> Result<Self, Error> {
+        Extractor::set_up(config, (frame, frame.count(), frame.width), known, work)
+    }
+
+    fn set_up(
+        config: &Config,
+        (frame, count, width): (Raster<'a, P>, usize, usize),
+        known: Known<'a>,
+        work: Workspace<'m, L>,
+    ) -> Result<Self, Error> {
         config.validate_values()?;
         if !config.sky.is_known() {
             return Err(moved_elsewhere(config));
         }
-        let grid = work.check(pixels.len(), width, config.sky.cell(), known)?;
+        let grid = work.check(count, width, config.sky.cell(), known)?;
+        known.check_bad()?;
+        let bound = budget::cells(config, (grid.width.get(), grid.height), work.regions.len());
         Ok(Extractor {
             config: *config,
-            pixels,
             grid,
-            view: View { pixels, grid, known, values: Values::UNKNOWN },
+            view: View { frame, grid, known, values: Values::UNKNOWN },
             work,
-            done: 0,
-            masked_from: L::ZERO,
-            noise: Noise { least: L::ONE, photon: 0.0 },
-            count: Count::default(),
-            cut: Cut::NONE,
-            kept: Kept::default(),
-            survey: Survey::default(),
-            unreached: 0,
+            state: State::NEW,
+            bound,
+            ended: None,
         })
+    }
+
+    /// Work done so far, and the most that the run can need ([`budget::cells`]), in cells.
+    pub fn work_done(&self) -> (u64, u64) {
+        (self.state.walk.spent(), self.bound)
     }
 
     /// How far the run is.
@@ -134,57 +162,88 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     }
 
     fn next(&self) -> Option<Stage> {
-        Plan::of(&self.config).steps().nth(self.done).map(|step| step.stage)
+        Plan::of(&self.config).steps().nth(self.state.done).map(|step| step.stage)
     }
 
-    /// Does the next step; where a front is awaited, or nothing is left to do, nothing.
+    /// Does at most `rows` rows (at least one) of the step under way; where a front is awaited, or nothing is left to do,
+    /// nothing. A row is as many pixels of a pass, keys of a sort or regions of the table as the frame has columns; where
+    /// that is more, a cell of the mesh, and once each what the sample of the values tells.
+    ///
+    /// The same bits come out whatever the parts. A frame that is a part of an image is worked on in whole steps. After an
+    /// error the run cannot go on, and every poll reports the same.
     ///
     /// # Errors
-    /// [`Error::NothingDefined`], or [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
-    /// of its sky or of its noise.
-    pub fn poll(&mut self) -> Result<Progress, Error> {
-        self.poll_by(&Alone)
+    /// [`Error::NothingDefined`], [`Error::NoSky`] and [`Error::NoNoise`] where the frame tells nothing
+    /// of its sky or of its noise; [`Error::FrameChanged`] where others have written to it; [`Error::Waiting`] where
+    /// other parts of an image have yet to answer.
+    pub fn poll(&mut self, rows: usize) -> Result<Progress, Error> {
+        self.go_on(rows.saturating_mul(self.grid.width.get()), &Alone)
     }
 
-    /// The same by a crew, which has no part in the result.
+    /// Does all that is left of the step under way by a crew, which has no part in the result.
     ///
     /// # Errors
     /// As [`Extractor::poll`].
     pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
+        self.go_on(usize::MAX, crew)
+    }
+
+    fn go_on(&mut self, cells: usize, crew: &impl Crew) -> Result<Progress, Error> {
+        if let Some(ended) = self.ended {
+            return Err(ended);
+        }
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
-            self.step(stage, crew)?;
-            if self.view.known.whole.is_some_and(Whole::is_waiting) {
-                return Err(Error::Waiting);
+            let whole = self.view.known.whole;
+            self.state.walk.resume(if whole.is_some() { usize::MAX } else { cells });
+            let is_done = match self.step(stage, crew) {
+                Ok(_) if whole.is_some_and(Whole::is_waiting) => Err(Error::Waiting),
+                // A run that was left alone ends within its bound.
+                Ok(None) if self.state.walk.spent() > self.bound => Err(Error::Corrupted { name: "the state" }),
+                result => result,
+            };
+            if is_done.map_err(|error| *self.ended.insert(error))?.is_some() {
+                self.end_step(stage);
             }
-            self.done += 1;
         }
         Ok(self.progress())
     }
 
-    fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<(), Error> {
+    fn end_step(&mut self, stage: Stage) {
+        if let Stage::Tree | Stage::Components = stage {
+            self.state.dividing.opening.count = self.state.growing.count;
+        }
+        self.state.walk.end();
+        self.state.done += 1;
+    }
+
+    /// Goes on with a step; nothing where there is more to do.
+    fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<Option<()>, Error> {
         let (round, known) = (self.round(), self.view.known.whole);
         if let Some(whole) = known.filter(|whole| round < first_round(*whole)) {
             return self.pass_over(stage, round, whole);
         }
-        let Extractor { config, grid, view, work, .. } = self;
-        let (grid, has_signal) = (*grid, |view: &View<'_>, at: usize| view.has_signal(at));
-        match stage {
+        let Extractor { config, grid, view, work, state, .. } = self;
+        let (noise, masked_from, count) = (state.noise(), state.masked_from(), state.count());
+        let State { walk, measured, smoothing, curve, growing, dividing, .. } = state;
+        let (grid, is_whole) = (*grid, view.is_whole());
+        let inside = |at: usize| is_whole || view.has_signal(at);
+        Ok(match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let survey = signal::measure(view, config.sky.cell(), round, &mut work.sky(), crew);
-                self.survey = survey.ok_or_else(|| self.no_noise())?;
+                let cell = config.sky.cell();
+                if signal::measure((walk, crew), measured, view, cell, round, &mut work.sky()).is_none() {
+                    return Ok(None);
+                }
+                return self.check_measured();
             }
-            Stage::Smooth => {
-                let tail = signal::smooth(view, round, &mut work.sky(), crew);
-                (self.noise.least, self.masked_from) = (tail.noise, tail.height(MASKED_PEAK));
-            }
+            Stage::Smooth => signal::smooth((walk, crew), smoothing, view, round, &mut work.sky()),
             Stage::Mask => {
-                signal::mask_sources(view, L::of(config.outline.threshold), self.masked_from, &mut work.sky(), crew);
+                let outline = L::of(config.outline.threshold);
+                signal::mask_sources((walk, crew), view, outline, masked_from, &mut work.sky())
             }
             Stage::Photon => {
-                let field = Field { values: &*work.signal, grid };
-                self.noise.photon =
-                    photon::slope(known, field, work.fine, Mask(work.masked), Keys(work.parents, work.order));
+                let (field, keys) = (Field { values: &*work.signal, grid }, Keys(work.parents, work.order));
+                photon::step(walk, (known, curve), field, work.fine, Mask(work.masked), keys)
             }
             Stage::Outline => {
                 let front = Front {
@@ -193,80 +252,125 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                     steps: config.outline.steps,
                 };
                 let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
-                front.outline([work.fine, start], work.labels, work.rows, grid, crew);
+                front.outline_in((walk, crew), [work.fine, start], work.labels, work.rows, grid)
             }
             Stage::Tree => {
-                let inside = |at: usize| has_signal(view, at);
-                self.count = separate::tree(grid, inside, config, self.noise.photon, &mut work.separation(), crew);
+                separate::tree((walk, crew), growing, grid, inside, (config, noise.photon), &mut work.separation())
             }
             Stage::Deblend => {
-                let mut planes = work.separation();
-                self.count = separate::deblend(known, grid, config, self.noise, self.count, &mut planes, crew);
-                drop_undefined(view, work.labels);
+                let divided =
+                    separate::deblend((walk, crew), dividing, known, grid, config, noise, &mut work.separation());
+                divided.and_then(|()| drop_undefined(walk, view, work.labels))
             }
             Stage::Components => {
-                let inside = |at: usize| has_signal(view, at);
-                self.count = separate::components(grid, inside, config.connectivity, &mut work.separation());
-                drop_undefined(view, work.labels);
+                let connectivity = config.connectivity;
+                let found = separate::components(walk, growing, grid, inside, connectivity, &mut work.separation());
+                found.and_then(|()| drop_undefined(walk, view, work.labels))
             }
             Stage::Select => {
-                let mut planes = work.selection(self.count.regions);
-                self.cut = match config.select {
-                    Select::Area => {
-                        selection::measure(&mut planes);
-                        Cut::NONE
-                    }
-                    Select::Significance => selection::cut(view, config, &mut planes, crew),
-                };
-                self.kept = selection::keep(config, self.cut, planes.labels, planes.regions);
+                if self.select(count.regions, crew).is_none() {
+                    return Ok(None);
+                }
+                return self.check_frame();
             }
-            _ => {}
+            _ => Some(()),
+        })
+    }
+
+    /// What the sky and the frame were like when they were measured.
+    fn check_measured(&mut self) -> Result<Option<()>, Error> {
+        let read = self.state.measured.read;
+        if read.checksum != self.view.values.checksum {
+            return Err(Error::FrameChanged);
         }
-        Ok(())
+        if read.has_noise { Ok(Some(())) } else { self.no_noise() }
+    }
+
+    /// Measures the regions, and keeps those that are sources.
+    fn select(&mut self, regions: usize, crew: &impl Crew) -> Option<()> {
+        let Extractor { config, view, work, state, .. } = self;
+        let State { walk, cutting, kept, .. } = state;
+        let mut planes = work.selection(regions);
+        match config.select {
+            Select::Area => selection::measure(walk, &mut planes)?,
+            Select::Significance => selection::cut((walk, crew), cutting, view, config, &mut planes)?,
+        }
+        selection::keep(walk, kept, (config, cutting.cut), planes.labels, planes.regions)
+    }
+
+    /// Whether the frame is still what it was, where it has told up to here which pixels are undefined.
+    fn check_frame(&mut self) -> Result<Option<()>, Error> {
+        let Extractor { grid, view, state, .. } = self;
+        if !P::CHANGES || view.is_whole() {
+            return Ok(Some(()));
+        }
+        let (walk, read) = (&mut state.walk, &mut state.measured.read);
+        let sum = walk.pass(grid.height, grid.width.get(), |part| {
+            let before = if part.start == 0 { 0 } else { read.checksum };
+            read.checksum = before.wrapping_add(view.frame.checksum(part));
+        });
+        if sum.is_some() && read.checksum != view.values.checksum {
+            return Err(Error::FrameChanged);
+        }
+        Ok(sum)
     }
 
     /// How often the sky has been measured.
     fn round(&self) -> u32 {
-        let done = Plan::of(&self.config).steps().take(self.done);
+        let done = Plan::of(&self.config).steps().take(self.state.done);
         done.filter(|step| step.stage == Stage::Mask).count() as u32
     }
 
     /// Passes over a step of a round of which the answers of all parts of the image are enough.
-    fn pass_over(&mut self, stage: Stage, round: u32, whole: &dyn Whole) -> Result<(), Error> {
+    fn pass_over(&mut self, stage: Stage, round: u32, whole: &dyn Whole) -> Result<Option<()>, Error> {
         match stage {
             Stage::Values => self.look(),
             Stage::Background => {
                 signal::remember(&self.view, self.config.sky.cell(), round, whole, &mut self.work.sky());
-                Ok(())
+                Ok(Some(()))
             }
-            _ => Ok(()),
+            _ => Ok(Some(())),
         }
     }
 
     /// What the values of the frame are.
-    fn look(&mut self) -> Result<(), Error> {
-        let Extractor { pixels, grid, work, view, .. } = self;
-        *view = View::of(pixels, *grid, view.known, Keys(work.parents, work.order));
+    fn look(&mut self) -> Result<Option<()>, Error> {
+        let Extractor { grid, work, view, state, .. } = self;
+        let State { walk, look, .. } = state;
+        if view.look(walk, look, Keys(work.parents, work.order)).is_none() {
+            return Ok(None);
+        }
         if view.known.whole.is_some_and(Whole::is_waiting) {
-            return Ok(());
+            return Ok(Some(()));
         }
         if view.values.defined == 0 {
-            return Err(Error::NothingDefined { pixels: pixels.len() });
+            return Err(Error::NothingDefined { pixels: grid.cells() });
         }
-        work.masked.fill(0);
-        signal::mask_undefined(view, &mut MaskMut(work.masked));
-        work.mesh.fill(Sky::UNKNOWN);
-        Ok(())
+        let cleared = walk
+            .pass(work.masked.len(), 1, |part| work.masked.get_mut(part).unwrap_or(&mut []).fill(0))
+            .and_then(|()| signal::mask_undefined(walk, view, &mut MaskMut(work.masked)))
+            .and_then(|()| {
+                walk.pass(work.mesh.len(), 1, |part| work.mesh.get_mut(part).unwrap_or(&mut []).fill(Sky::UNKNOWN))
+            });
+        Ok(cleared)
     }
 
     /// Why there is nothing to divide the signal by.
-    fn no_noise(&self) -> Error {
-        let (view, Values { defined, commonest, .. }) = (&self.view, self.view.values);
-        if self.work.mesh.first().is_none_or(|sky| sky.level.is_nan()) {
-            return Error::NoSky { defined, needed: LEAST_PIXELS };
+    fn no_noise(&mut self) -> Result<Option<()>, Error> {
+        let Extractor { view, work, grid, state, .. } = self;
+        let (walk, Values { defined, commonest, .. }) = (&mut state.walk, view.values);
+        if work.mesh.first().is_none_or(|sky| sky.level.is_nan()) {
+            return Err(Error::NoSky { defined, needed: LEAST_PIXELS });
         }
-        let equal = (0..).zip(self.pixels).filter(|&(at, &pixel)| pixel == commonest && view.is_defined(at)).count();
-        Error::NoNoise { value: commonest, equal: equal as u32, defined }
+        let is_equal = |&at: &usize| view.frame.value(at) == Some(commonest) && view.is_defined(at);
+        let counted = walk.tally(grid.cells(), 1, |tally, part| {
+            let before = if part.start == 0 { 0 } else { tally.count };
+            tally.count = before + part.filter(is_equal).count();
+        });
+        match counted {
+            Some(()) => Err(Error::NoNoise { value: commonest, equal: walk.tally.count as u32, defined }),
+            None => Ok(None),
+        }
     }
 
     /// The image over which a front is to move: signal-to-noise, W x H, smoothed as the filter says.
@@ -299,25 +403,27 @@ impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
                 within(x, width.get()) && within(y, height)
             };
             let unreached = inside && margin.is_some_and(far);
-            self.unreached += u32::from(unreached);
+            self.state.unreached += u32::from(unreached);
             *front = if inside && !unreached { L::ONE } else { -L::ONE }.bits();
         }
         while self.next().is_some_and(Stage::is_of_front) {
-            self.done += 1;
+            self.state.done += 1;
         }
     }
 
     fn found(&self) -> Found {
+        let State { kept, unreached, measured, cutting, curve, .. } = &self.state;
+        let count = self.state.count();
         Found {
-            sources: self.kept.sources,
-            mask_pixels: self.kept.pixels,
-            unlabelled: self.count.left_out,
-            regions: self.count.regions,
-            unreached: self.unreached,
-            significance: self.cut.significance,
-            photon: self.noise.photon,
+            sources: kept.sources,
+            mask_pixels: kept.pixels,
+            unlabelled: count.left_out,
+            regions: count.regions,
+            unreached: *unreached,
+            significance: cutting.cut.significance,
+            photon: curve.slope(),
             values: self.view.values,
-            survey: self.survey,
+            survey: measured.survey,
         }
     }
 }
@@ -347,13 +453,12 @@ fn moved_elsewhere(config: &Config) -> Error {
 }
 
 /// An undefined pixel between two of a source carries its light across, but is in no source.
-fn drop_undefined(view: &View<'_>, labels: &mut [u32]) {
-    if view.is_whole() {
-        return;
-    }
-    for (_, label) in labels.iter_mut().enumerate().filter(|(at, _)| !view.is_defined(*at)) {
-        *label = 0;
-    }
+fn drop_undefined<P: Sample>(walk: &mut Walk, view: &View<'_, P>, labels: &mut [u32]) -> Option<()> {
+    let (rows, width) = (if view.is_whole() { 0 } else { view.grid.height }, view.grid.width.get());
+    walk.pass(rows, width, |rows| {
+        let labels = (rows.start * width..).zip(rows_of_mut(labels, &rows, width));
+        labels.filter(|(at, _)| !view.is_defined(*at)).for_each(|(_, label)| *label = 0);
+    })
 }
 
 /// A whole run with the front of [`Scheme::Region`](crate::config::Scheme::Region) into `work.labels`.
@@ -369,10 +474,347 @@ pub fn extract<L: Level>(
 ) -> Result<Found, Error> {
     let mut run = Extractor::new(config, pixels, width, known, work)?;
     loop {
-        match run.poll()? {
+        match run.poll(usize::MAX)? {
             Progress::Next(_) => {}
             Progress::Done(found) => return Ok(found),
             Progress::Front => return Err(moved_elsewhere(config)),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::plane::mask::mask_words;
+    use crate::plane::raster::{BadPixel, sealed::Sealed};
+    use crate::plane::smooth::ROOM_ROWS;
+    use crate::run::frame::Frame;
+    use crate::run::workspace::regions;
+    use crate::simulate::{Kind, Sky as Simulated};
+    use crate::sky::mesh_cells;
+    use crate::sources::tree::Region;
+    use core::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, Ordering};
+
+    extern crate std;
+    use std::vec;
+    use std::vec::Vec;
+
+    pub(super) const WIDTH: usize = 40;
+    pub(super) const HEIGHT: usize = 30;
+    pub(super) const COUNT: usize = WIDTH * HEIGHT;
+
+    /// The memory of a run over a frame of [`WIDTH`] x [`HEIGHT`].
+    pub(super) struct Room<L: Level> {
+        levels: [Vec<L>; 3],
+        words: [Vec<u32>; 3],
+        masked: Vec<u32>,
+        rows: Vec<L>,
+        mesh: Vec<Sky>,
+        regions: Vec<Region<L>>,
+    }
+
+    impl<L: Level> Room<L> {
+        fn new() -> Self {
+            Room::full_of(0)
+        }
+
+        /// Full of something.
+        pub(super) fn full_of(pattern: u32) -> Self {
+            let level = L::from_bits(pattern.wrapping_mul(0x9E37_79B1));
+            Room {
+                levels: [(); 3].map(|()| vec![level; COUNT]),
+                words: [(); 3].map(|()| vec![pattern; COUNT]),
+                masked: vec![pattern; mask_words(COUNT)],
+                rows: vec![level; ROOM_ROWS * WIDTH],
+                mesh: vec![Sky::UNKNOWN; mesh_cells(WIDTH, HEIGHT, Config::NOISE_AWARE.sky.cell())],
+                regions: vec![Region::BLANK; regions(WIDTH, HEIGHT)],
+            }
+        }
+
+        /// All that a run with such an end leaves.
+        pub(super) fn left(&self, end: std::string::String, regions: usize, polls: usize) -> Left {
+            let bits = |levels: &Vec<L>| levels.iter().map(|level| level.bits()).collect::<Vec<u32>>();
+            let sky = |sky: &Sky| [sky.level.to_bits(), sky.noise.to_bits()];
+            let regions = self.regions.iter().take(regions);
+            let regions = regions.flat_map(|region| [region.peak, region.area, region.label, region.value.bits()]);
+            let planes = self.levels.iter().flat_map(bits).chain(self.words.iter().flatten().copied());
+            let tables = self.masked.iter().copied().chain(self.mesh.iter().flat_map(sky)).chain(regions);
+            Left { end, words: planes.chain(tables).collect(), polls }
+        }
+
+        pub(super) fn work(&mut self) -> Workspace<'_, L> {
+            let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
+            let Room { masked, rows, mesh, regions, .. } = self;
+            Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions }
+        }
+    }
+
+    /// Counts of a camera, with stars, in rows of `stride` of which the rest is no part of the frame.
+    pub(super) fn counts(most: f32, stride: usize) -> Vec<u16> {
+        let (mut sky, mut counts) = (Simulated::new(Kind::Bright, 7, WIDTH, HEIGHT), vec![999; stride * HEIGHT]);
+        for (y, counts) in counts.chunks_exact_mut(stride).enumerate() {
+            let mut row = [0.0; WIDTH];
+            let Ok(()) = sky.row(y, &mut row);
+            counts.iter_mut().zip(row).for_each(|(count, value)| *count = (most * (0.1 + 0.5 * value)) as u16);
+        }
+        counts
+    }
+
+    /// What a run finds, and its labels.
+    #[derive(PartialEq)]
+    struct Result {
+        sources: u32,
+        found: std::string::String,
+        labels: Vec<u32>,
+    }
+
+    pub(super) fn told(found: Found) -> std::string::String {
+        // Frames that can change have a checksum, and one NaN is as good as another.
+        std::format!("{:?}", Found { values: Values { checksum: 0, ..found.values }, ..found })
+    }
+
+    fn found<L: Level, P: Sample>(frame: Raster<'_, P>, known: Known<'_>) -> Result {
+        let mut room = Room::<L>::new();
+        let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, room.work()).expect("room enough");
+        let found = loop {
+            if let Progress::Done(found) = run.poll(usize::MAX).expect("a sky with noise") {
+                break found;
+            }
+        };
+        let [_, _, labels] = room.words;
+        Result { sources: found.sources, found: told(found), labels }
+    }
+
+    /// All that a run leaves.
+    #[derive(PartialEq)]
+    pub(super) struct Left {
+        /// What was found, or why it ended.
+        pub(super) end: std::string::String,
+        pub(super) words: Vec<u32>,
+        pub(super) polls: usize,
+    }
+
+    /// What a run leaves in parts of so many rows.
+    pub(super) fn left<L: Level>(config: &Config, pixels: &[f32], known: Known<'_>, rows: usize) -> Left {
+        let mut room = Room::<L>::new();
+        let mut run = Extractor::new(config, pixels, WIDTH, known, room.work()).expect("room enough");
+        for polls in 1.. {
+            match run.poll(rows) {
+                Ok(Progress::Done(found)) => return room.left(told(found), found.regions, polls),
+                Ok(_) => {}
+                Err(error) => return room.left(std::format!("{error}"), 0, polls),
+            }
+        }
+        unreachable!("a run ends")
+    }
+
+    #[track_caller]
+    fn parts_make_the_whole<L: Level>(config: &Config, pixels: &[f32], known: Known<'_>) {
+        let whole = left::<L>(config, pixels, known, usize::MAX);
+        for rows in [1, 2, 7, HEIGHT] {
+            let parts = left::<L>(config, pixels, known, rows);
+            assert_eq!(parts.end, whole.end, "{}, parts of {rows} rows", L::NAME);
+            let differing = parts.words.iter().zip(&whole.words).position(|(part, whole)| part != whole);
+            assert_eq!(differing, None, "{}, parts of {rows} rows: {}", L::NAME, whole.end);
+            let polls = parts.polls;
+            assert!(polls > whole.polls && (rows > 1 || polls > 4 * HEIGHT), "{polls} polls of {rows} rows");
+        }
+    }
+
+    #[test]
+    fn parts_of_any_size_give_the_same_bits() {
+        let default = Config::NOISE_AWARE;
+        let components = Config { separate: crate::config::Separate::Components, ..default };
+        let by_area = Config { select: Select::Area, filter: Filter::Gauss, ..default };
+        let mut pixels: Vec<f32> = counts(4000.0, WIDTH).iter().map(|&count| f32::from(count)).collect();
+        for config in [default, components, by_area] {
+            parts_make_the_whole::<f32>(&config, &pixels, Known::default());
+        }
+        parts_make_the_whole::<crate::arithmetic::Fixed14>(&default, &pixels, Known::default());
+        // Undefined pixels, and a map of weights.
+        let noise: Vec<f32> = (0..COUNT).map(|at| 1.0 + (at % 7) as f32).collect();
+        let known = Known { noise: Some(&noise), relative: true, bad: &BAD, ..Known::default() };
+        parts_make_the_whole::<f32>(&default, &pixels, known);
+        // Cut off below.
+        let cut: Vec<f32> = pixels.iter().map(|&pixel| (pixel - 400.0).positive()).collect();
+        parts_make_the_whole::<f32>(&default, &cut, Known::default());
+        // Filled on the left.
+        (0..COUNT).filter(|at| at % WIDTH < 9).for_each(|at| pixels[at] = 0.0);
+        parts_make_the_whole::<f32>(&default, &pixels, Known::default());
+        parts_make_the_whole::<f32>(&default, &[3.0; COUNT], Known::default());
+    }
+
+    fn counts_are_the_same_numbers<L: Level>() {
+        for most in [200.0, 4000.0] {
+            let padded = counts(most, WIDTH + 5);
+            let pixels: Vec<f32> = counts(most, WIDTH).iter().map(|&count| f32::from(count)).collect();
+            let expected = found::<L, f32>(Raster::of(&pixels, WIDTH), Known::default());
+            assert!(expected.sources > 1 && expected.found.contains("step: 1.0"), "{}", expected.found);
+            let words = Raster::new(&padded, WIDTH, HEIGHT, WIDTH + 5).expect("a frame");
+            assert!(found::<L, u16>(words, Known::default()) == expected, "up to {most}");
+            let bytes: Vec<u8> = padded.iter().map(|&count| count as u8).collect();
+            let bytes = Raster::new(&bytes, WIDTH, HEIGHT, WIDTH + 5).expect("a frame");
+            assert_eq!(found::<L, u8>(bytes, Known::default()) == expected, most < 256.0);
+        }
+    }
+
+    #[test]
+    fn counts_of_a_camera_give_the_bits_of_the_same_numbers_in_single_precision() {
+        counts_are_the_same_numbers::<f32>();
+        counts_are_the_same_numbers::<crate::arithmetic::Fixed14>();
+    }
+
+    pub(super) const BAD: [BadPixel; 4] =
+        [BadPixel { x: 3, y: 0 }, BadPixel { x: 20, y: 7 }, BadPixel { x: 21, y: 7 }, BadPixel { x: 39, y: 29 }];
+
+    #[test]
+    fn bad_pixels_are_undefined_whatever_they_hold() {
+        let counts = counts(4000.0, WIDTH);
+        let mut pixels: Vec<f32> = counts.iter().map(|&count| f32::from(count)).collect();
+        BAD.iter().for_each(|bad| pixels[usize::from(bad.y) * WIDTH + usize::from(bad.x)] = f32::NAN);
+        let expected = found::<f32, f32>(Raster::of(&pixels, WIDTH), Known::default());
+        assert!(expected.found.contains("defined: 1196"), "{}", expected.found);
+        let known = Known { bad: &BAD, ..Known::default() };
+        assert!(found::<f32, u16>(Raster::of(&counts, WIDTH), known) == expected);
+    }
+
+    #[test]
+    fn bad_pixels_out_of_order_are_named() {
+        let mut room = Room::<f32>::new();
+        let [a, b, c, d] = BAD;
+        for (bad, expected) in
+            [([a, c, b, d], ("column of a bad pixel", 20.0, 21.0)), ([b, c, d, a], ("row of a bad pixel", 0.0, 29.0))]
+        {
+            let known = Known { bad: &bad, ..Known::default() };
+            let refused = Extractor::over(&Config::NOISE_AWARE, Raster::of(&[1u16; COUNT], WIDTH), known, room.work());
+            let Err(Error::Parameter { name, value, limit, .. }) = refused else { panic!("{refused:?}") };
+            assert_eq!((name, value, limit), expected);
+        }
+    }
+
+    /// Changes a pixel after every step in turn; the last step after which the run sees that.
+    fn last_seen(known: Known<'_>) -> Option<Stage> {
+        let counts = counts(4000.0, WIDTH);
+        let expected = found::<f32, u16>(Raster::of(&counts, WIDTH), known);
+        let steps: Vec<Stage> = Plan::of(&Config::NOISE_AWARE).steps().map(|step| step.stage).collect();
+        let is_seen = |changed: usize| {
+            let words: Vec<AtomicU16> = counts.iter().map(|&count| AtomicU16::new(count)).collect();
+            let mut room = Room::<f32>::new();
+            let frame = Raster::of(&words, WIDTH);
+            let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, room.work()).expect("room enough");
+            for poll in 0.. {
+                match run.poll(usize::MAX) {
+                    Ok(Progress::Done(found)) => {
+                        assert_eq!(told(found), expected.found);
+                        return false;
+                    }
+                    Ok(_) if poll == changed => {
+                        words[500].fetch_xor(1, Ordering::Relaxed);
+                    }
+                    Ok(_) => {}
+                    Err(error) => {
+                        assert_eq!(error, Error::FrameChanged);
+                        return true;
+                    }
+                }
+            }
+            false
+        };
+        let seen: Vec<bool> = (0..steps.len()).map(is_seen).collect();
+        assert!(seen.is_sorted_by(|before, after| before >= after), "{seen:?}");
+        seen.iter().rposition(|&seen| seen).map(|index| steps[index])
+    }
+
+    #[test]
+    fn a_frame_that_others_write_to_is_told() {
+        assert_eq!(
+            last_seen(Known::default()),
+            Some(Stage::Mask),
+            "whoever reads it last is the last measurement of the sky"
+        );
+        assert_eq!(last_seen(Known { bad: &BAD, ..Known::default() }), Some(Stage::Deblend), "pixels may be undefined");
+        let bytes: Vec<AtomicU8> = counts(200.0, WIDTH).iter().map(|&count| AtomicU8::new(count as u8)).collect();
+        let whole = found::<f32, AtomicU8>(Raster::of(&bytes, WIDTH), Known::default());
+        let plain: Vec<u8> = bytes.iter().map(|byte| byte.load(Ordering::Relaxed)).collect();
+        assert!(whole == found::<f32, u8>(Raster::of(&plain, WIDTH), Known::default()));
+    }
+
+    /// A pixel that counts how often it is read.
+    #[derive(Debug)]
+    struct Counted(u16, AtomicU32);
+
+    impl Sealed for Counted {}
+
+    impl Sample for Counted {
+        fn value(&self) -> f32 {
+            self.1.fetch_add(1, Ordering::Relaxed);
+            f32::from(self.0)
+        }
+    }
+
+    #[test]
+    fn a_row_is_read_seven_times_and_a_sample_once_more() {
+        let pixels: Vec<Counted> =
+            counts(4000.0, WIDTH).iter().map(|&count| Counted(count, AtomicU32::new(0))).collect();
+        found::<f32, Counted>(Raster::of(&pixels, WIDTH), Known::default());
+        // All of a small frame is its sample.
+        let reads = |pixel: &Counted| pixel.1.load(Ordering::Relaxed);
+        assert_eq!((pixels.iter().map(reads).min(), pixels.iter().map(reads).max()), (Some(8), Some(8)));
+    }
+
+    /// Frames that ask for work: peaks and borders everywhere, one winding source, holes, the ends of the numbers.
+    fn hostile() -> [(&'static str, Vec<f32>); 9] {
+        let draw = |value: &dyn Fn(usize, usize) -> f32| (0..COUNT).map(|at| value(at % WIDTH, at / WIDTH)).collect();
+        let noise = |x: usize, y: usize| ((x * 2_654_435_761 + y * 40_503) % 1009) as f32;
+        let bright = |is_bright: bool| if is_bright { 1e4 } else { 0.0 };
+        [
+            ("noise", draw(&noise)),
+            ("checkerboard", draw(&|x, y| noise(x, y) + bright((x + y) % 2 == 0))),
+            ("dots", draw(&|x, y| noise(x, y) + bright(x % 3 == 0 && y % 3 == 0))),
+            ("comb", draw(&|x, y| noise(x, y) + bright(x % 4 == 0 || y + 1 == HEIGHT))),
+            ("half", draw(&|x, y| noise(x, y) + bright(x > WIDTH / 2))),
+            ("ramp", draw(&|x, y| (x * x + y) as f32)),
+            ("holes", draw(&|x, y| if (x + y) % 3 == 0 { f32::NAN } else { noise(x, y) + bright(x % 5 == 0) })),
+            ("ends", draw(&|x, y| [f32::MAX, f32::MIN, 1e-45, -0.0, 3.0][(x + 2 * y) % 5])),
+            ("stars", counts(4000.0, WIDTH).iter().map(|&count| f32::from(count)).collect()),
+        ]
+    }
+
+    #[test]
+    fn no_frame_needs_more_work_or_polls_than_was_said() {
+        let mut greatest = 0.0;
+        for (name, pixels) in hostile() {
+            for rows in [1, 5] {
+                let mut room = Room::<f32>::new();
+                let mut run = Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work())
+                    .expect("room enough");
+                let (mut polls, bound) = (0, run.work_done().1);
+                assert_eq!(bound, budget::cells(&Config::NOISE_AWARE, (WIDTH, HEIGHT), regions(WIDTH, HEIGHT)));
+                while let Ok(Progress::Next(_)) = run.poll(rows) {
+                    polls += 1;
+                }
+                let (work, _) = run.work_done();
+                assert!(work <= bound, "{name}: {work} cells where {bound} are the most");
+                let most = budget::polls(bound, WIDTH, rows);
+                assert!(polls <= most, "{name}: {polls} polls of {rows} rows where {most} are the most");
+                greatest = f64::max(greatest, work as f64 / bound as f64);
+                std::println!("{name}: {:.2} of the work, {polls} of {most} polls", work as f64 / bound as f64);
+            }
+        }
+        assert!(greatest > 0.2, "{greatest} of the work that was allowed");
+    }
+
+    #[test]
+    fn errors_end_a_run() {
+        let nothing = |error: &Error| matches!(error, Error::NothingDefined { pixels: COUNT });
+        let no_noise = |error: &Error| matches!(error, Error::NoNoise { value: 3.0, .. });
+        for (pixel, is_expected) in [(f32::NAN, &nothing as &dyn Fn(&Error) -> bool), (3.0, &no_noise)] {
+            let (mut room, pixels) = (Room::<f32>::new(), [pixel; COUNT]);
+            let mut run = Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work())
+                .expect("room enough");
+            let errors = (0..9).filter_map(|_| run.poll(usize::MAX).err());
+            let errors: Vec<Error> = errors.collect();
+            assert!(errors.len() > 5 && errors.iter().all(is_expected), "{errors:?}");
         }
     }
 }

@@ -3,7 +3,7 @@
 //! From it follow what comes after a pass ([`crate::run::segmenter`]), the budget ([`crate::run::budget`]), the
 //! soundness of a snapshot, and which plane holds what a step made, for digests and pictures.
 
-use crate::config::{Config, Normalize, Order, Rescale, Scheme, Separate, Start, Tau};
+use crate::config::{Config, Motion, Normalize, Order, Rescale, Scheme, Separate, Start, Tau};
 use crate::front::march;
 use crate::run::stage::Stage;
 use crate::sky::noise;
@@ -57,7 +57,7 @@ pub(crate) const fn reads_frame(stage: Stage) -> bool {
 pub const fn leaves(stage: Stage) -> Option<Plane> {
     match stage {
         Stage::Normalize | Stage::Rescale | Stage::Filter | Stage::Edge => Some(Plane::Image),
-        Stage::Front | Stage::Evolve | Stage::Arrive | Stage::Measure => Some(Plane::Front),
+        Stage::Front | Stage::Evolve | Stage::Arrive | Stage::Turn | Stage::Measure => Some(Plane::Front),
         _ => None,
     }
 }
@@ -84,7 +84,7 @@ const NORMALISING: [Stage; 6] =
 const RESCALING_FIRST: [Stage; 3] = [Stage::Threshold, Stage::Rescale, Stage::Filter];
 const FILTERING_FIRST: [Stage; 3] = [Stage::Filter, Stage::Threshold, Stage::Rescale];
 /// From the filtered image to the front at its end.
-const FRONT: [Stage; 12] = [
+const FRONT: [Stage; 13] = [
     Stage::StartLevel,
     Stage::StartMark,
     Stage::StartUp,
@@ -97,6 +97,7 @@ const FRONT: [Stage; 12] = [
     Stage::Sow,
     Stage::March,
     Stage::Arrive,
+    Stage::Turn,
 ];
 /// From the front to the catalogue.
 const LABELLING: [Stage; 5] = [Stage::Provisional, Stage::Resolve, Stage::Count, Stage::Number, Stage::Measure];
@@ -184,8 +185,7 @@ impl<'a> Plan<'a> {
                 _ => 0,
             },
             Stage::Rescale => u32::from(config.rescale != Rescale::None),
-            Stage::Filter if !config.filter.is_stepped() => 0,
-            Stage::Filter => u32::from(config.filter_steps),
+            Stage::Filter => config.filter.passes(config.filter_steps),
             // The tau of r3 serves both.
             Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => u32::from(starts_near),
@@ -197,6 +197,7 @@ impl<'a> Plan<'a> {
             // As many looks a row as a row has pixels, and a last row that finds no pixel left.
             Stage::March if marches => march::looks(config.farthest()).saturating_add(1),
             Stage::March => 0,
+            Stage::Turn => u32::from(config.motion == Motion::Outward),
             Stage::Done => 0,
             _ => 1,
         }

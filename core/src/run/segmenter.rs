@@ -38,8 +38,8 @@ pub struct Segmenter<'m, A: Arithmetic, S: Evolve<A> = AnyScheme<A>> {
     settle: Settle<A>,
     memory: Memory<'m, A>,
     state: State<A>,
-    /// The memory was found damaged, or holds half a snapshot.
-    broken: bool,
+    /// What ended the run before its end.
+    ended: Option<Error>,
 }
 
 /// A front about to move: see [`Segmenter::evolution`].
@@ -105,24 +105,31 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             settle,
             memory,
             state,
-            broken: false,
+            ended: None,
         })
     }
 
     /// Does at most `rows` rows (at least one) of the pass under way.
     ///
     /// The same bits come out whatever the slices. After an error of the frame source the same
-    /// poll can be tried again; after [`Error::Corrupted`] the run cannot go on.
+    /// poll can be tried again; after any other the run cannot go on, and every poll reports the same.
     ///
     /// # Errors
-    /// [`Error::Frame`], [`Error::NothingDefined`], [`Error::Constant`] or [`Error::Corrupted`].
+    /// [`Error::Frame`], [`Error::NothingDefined`], [`Error::Constant`], [`Error::Corrupted`] or, after a
+    /// failed [`Self::restore`], [`Error::NotRestored`].
     pub fn poll<F: Frame>(&mut self, rows: usize, frame: &mut F) -> Result<Progress, Error<F::Error>> {
-        if self.broken {
-            return Err(corrupted("an earlier poll or snapshot"));
+        if let Some(ended) = self.ended {
+            return Err(ended.map_frame(|never| match never {}));
         }
-        let result = self.slice(rows, frame);
-        self.broken = matches!(result, Err(Error::Corrupted { .. }));
-        result
+        self.slice(rows, frame).map_err(|error| match error.of_run() {
+            Ok(ended) => self.end(ended).map_frame(|never| match never {}),
+            Err(frame) => Error::Frame(frame),
+        })
+    }
+
+    /// Ends the run with an error.
+    fn end(&mut self, error: Error) -> Error {
+        *self.ended.insert(error)
     }
 
     fn slice<F: Frame>(&mut self, rows: usize, frame: &mut F) -> Result<Progress, Error<F::Error>> {
@@ -171,10 +178,11 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// configuration, size and length of the catalogue. `read` fills the whole slice or fails.
     ///
     /// # Errors
-    /// [`SnapshotError`]; this run is then lost, and every poll reports [`Error::Corrupted`].
+    /// [`SnapshotError`]; this run is then lost, and every poll reports [`Error::NotRestored`], until
+    /// a snapshot is taken up.
     pub fn restore<E>(&mut self, read: impl FnMut(&mut [u8]) -> Result<(), E>) -> Result<(), SnapshotError<E>> {
         let result = self.parts().restore(read);
-        self.broken = result.is_err();
+        self.ended = result.as_ref().err().map(|_| Error::NotRestored);
         result
     }
 
@@ -246,7 +254,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     pub fn finish_evolution(&mut self, steps: u32, change: Change<A>) -> Result<Progress, Error> {
         self.state.work = self.state.work.saturating_add(u64::from(steps).saturating_mul(self.height as u64));
         (self.state.pass, self.state.change) = (steps.saturating_sub(1), change);
-        self.end_pass()?;
+        self.end_pass().map_err(|error| self.end(error))?;
         Ok(self.progress())
     }
 
@@ -285,4 +293,44 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
 
 fn corrupted<E>(name: &'static str) -> Error<E> {
     Error::Corrupted { name }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+    use crate::plane::sweep::ring_len;
+    use crate::run::frame::SliceFrame;
+    use crate::sky::otsu::Histogram;
+
+    const SIDE: usize = 16;
+
+    /// What the last three of ten polls and more say of a frame of one value.
+    fn last_polls(pixel: f32) -> [Result<Progress, Error>; 3] {
+        let (mut image, mut front) = ([0.0; SIDE * SIDE], [0.0; SIDE * SIDE]);
+        let (mut ring, mut samples, mut counts) = ([0.0; ring_len(SIDE, 3)], [0.0; SIDE], Histogram::EMPTY);
+        let mut tiles = [0; flags_len(SIDE, SIDE)];
+        let memory = Memory {
+            image: &mut image,
+            front: &mut front,
+            ring: &mut ring,
+            tiles: &mut tiles,
+            samples: &mut samples,
+            counts: &mut counts,
+            sources: &mut [],
+        };
+        let mut run = Segmenter::<F32>::new(&Config::PAPER_F160, SIDE, SIDE, memory).expect("room enough");
+        let pixels = [pixel; SIDE * SIDE];
+        let mut poll = || run.poll(SIDE, &mut SliceFrame(&pixels));
+        for _ in 0..10 {
+            let _ = poll();
+        }
+        [poll(), poll(), poll()]
+    }
+
+    #[test]
+    fn errors_end_a_run() {
+        assert_eq!(last_polls(f32::NAN), [Err(Error::NothingDefined { pixels: SIDE * SIDE }); 3]);
+        assert_eq!(last_polls(3.0), [Err(Error::Constant { value: 3.0 }); 3]);
+    }
 }

@@ -19,14 +19,14 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
 const STATE_WORDS: usize = 116;
 const SOURCE_WORDS: usize = 25;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will
-/// only report [`crate::error::Error::Corrupted`]; set up another.
+/// only report [`crate::error::Error::NotRestored`]; set up another, or take up another snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SnapshotError<E> {
     /// The medium failed or ended early.
@@ -53,20 +53,41 @@ impl<E: fmt::Display> fmt::Display for SnapshotError<E> {
 impl<E: fmt::Debug + fmt::Display> core::error::Error for SnapshotError<E> {}
 
 /// What a snapshot must agree on with the run that takes it up.
-struct Header([(u32, &'static str); HEADER_WORDS]);
+type Header = [(u32, &'static str); HEADER_WORDS];
 
-impl Header {
-    fn of<A: Arithmetic>(config: &Config, width: usize, height: usize, sources: usize) -> Header {
-        Header([
-            (MAGIC, "kind of contents"),
-            (VERSION, "format version"),
-            (u32::from(A::CODE), "arithmetic"),
-            (width as u32, "width"),
-            (height as u32, "height"),
-            (sources as u32, "length of the catalogue"),
-            (config.digest(), "configuration"),
-        ])
+/// Writes a header, what `body` writes, and the checksum of both.
+pub(crate) fn write_out<E, W: FnMut(&[u8]) -> Result<(), E>>(
+    write: W,
+    header: &[(u32, &'static str)],
+    body: impl FnOnce(&mut Writer<W>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut writer = Writer { write, digest: Digest::default() };
+    for &(mut word, _) in header {
+        writer.word(&mut word)?;
     }
+    body(&mut writer)?;
+    let mut sum = writer.digest.value();
+    writer.word(&mut sum)
+}
+
+/// Reads them back: first a header, which must be this one.
+pub(crate) fn read_back<E, R: FnMut(&mut [u8]) -> Result<(), E>>(
+    read: R,
+    header: &[(u32, &'static str)],
+    body: impl FnOnce(&mut Reader<R>) -> Result<(), E>,
+) -> Result<(), SnapshotError<E>> {
+    let mut reader = Reader { read, digest: Digest::default() };
+    for &(expected, what) in header {
+        let mut word = 0;
+        reader.word(&mut word).map_err(SnapshotError::Read)?;
+        if word != expected {
+            return Err(SnapshotError::Foreign { what });
+        }
+    }
+    body(&mut reader).map_err(SnapshotError::Read)?;
+    let (found, mut sum) = (reader.digest.value(), 0);
+    reader.word(&mut sum).map_err(SnapshotError::Read)?;
+    if sum == found { Ok(()) } else { Err(SnapshotError::Damaged) }
 }
 
 /// Bytes of a snapshot, for cells of `cell_bytes`, a kernel of `window` rows and `sources`.
@@ -89,7 +110,15 @@ pub(crate) struct Parts<'a, 'm, A: Arithmetic> {
 
 impl<A: Arithmetic> Parts<'_, '_, A> {
     fn header(&self) -> Header {
-        Header::of::<A>(self.config, self.width, self.height, self.memory.sources.len())
+        [
+            (MAGIC, "kind of contents"),
+            (VERSION, "format version"),
+            (u32::from(A::CODE), "arithmetic"),
+            (self.width as u32, "width"),
+            (self.height as u32, "height"),
+            (self.memory.sources.len() as u32, "length of the catalogue"),
+            (self.config.digest(), "configuration"),
+        ]
     }
 
     /// Everything after the header, out or in.
@@ -110,29 +139,13 @@ impl<A: Arithmetic> Parts<'_, '_, A> {
 
     /// Writes the run out. It is left as it was.
     pub fn save<E>(&mut self, write: impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
-        let mut writer = Writer { write, digest: Digest::default() };
-        for (mut word, _) in self.header().0 {
-            writer.word(&mut word)?;
-        }
-        self.body(&mut writer)?;
-        let mut sum = writer.digest.value();
-        writer.word(&mut sum)
+        write_out(write, &self.header(), |writer| self.body(writer))
     }
 
     /// Takes a run up. After an error the memory holds nothing of use.
     pub fn restore<E>(&mut self, read: impl FnMut(&mut [u8]) -> Result<(), E>) -> Result<(), SnapshotError<E>> {
-        let mut reader = Reader { read, digest: Digest::default() };
-        for (expected, what) in self.header().0 {
-            let mut word = 0;
-            reader.word(&mut word).map_err(SnapshotError::Read)?;
-            if word != expected {
-                return Err(SnapshotError::Foreign { what });
-            }
-        }
-        self.body(&mut reader).map_err(SnapshotError::Read)?;
-        let (found, mut sum) = (reader.digest.value(), 0);
-        reader.word(&mut sum).map_err(SnapshotError::Read)?;
-        let sound = self.state.is_sound(self.config, self.width, self.height, self.bound);
-        if sum == found && sound { Ok(()) } else { Err(SnapshotError::Damaged) }
+        read_back(read, &self.header(), |reader| self.body(reader))?;
+        let is_sound = self.state.is_sound(self.config, self.width, self.height, self.bound);
+        if is_sound { Ok(()) } else { Err(SnapshotError::Damaged) }
     }
 }

@@ -46,6 +46,8 @@ pub enum Stage {
     March,
     /// Times become the front at `t_max`.
     Arrive,
+    /// The front's sign is turned, where it grew: what it enclosed comes to lie above 0.
+    Turn,
     /// Provisional labels (label pass 1).
     Provisional,
     /// Label pass 2, over the table.
@@ -82,7 +84,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in the order in which they are declared.
-    pub const ALL: [Stage; 37] = [
+    pub const ALL: [Stage; 38] = [
         Stage::Extremes,
         Stage::LowPercentile,
         Stage::HighPercentile,
@@ -104,6 +106,7 @@ impl Stage {
         Stage::Sow,
         Stage::March,
         Stage::Arrive,
+        Stage::Turn,
         Stage::Provisional,
         Stage::Resolve,
         Stage::Count,

@@ -6,8 +6,11 @@ use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
 use crate::plane::mask::WORD;
 use crate::plane::part::{CELL_WORDS, Question, Whole};
+use crate::plane::raster::{Raster, Sample};
 use crate::plane::sort::{self, Keys};
+use crate::plane::walk::Walk;
 use core::num::NonZero;
+use core::ops::Range;
 
 /// Side of a mesh cell in pixels where nothing else is wanted; a frame has a whole number of cells along
 /// each axis.
@@ -136,25 +139,75 @@ impl<'m> Mesh<'m> {
         values: &Values,
         keys: Keys<'_>,
     ) -> Survey {
-        self.measure_by(&Alone, pixels, |first| Words::of(|bit| seen(first + bit)), values, keys)
+        self.measure_by(&Alone, &Raster::of(pixels, self.size.0), seen, values, keys)
     }
 
-    /// The same by a crew, of which as many work as `keys` has room for, [`cell_pixels`] each; `seen` tells of
-    /// [`WORD`] pixels at a time, from a first one on.
-    pub(crate) fn measure_by(
+    /// The same by a crew, of which as many work as `keys` has room for, [`cell_pixels`] each.
+    pub fn measure_by<P: Sample>(
         &mut self,
         crew: &impl Crew,
-        pixels: &[f32],
-        seen: impl Fn(usize) -> Words + Sync,
+        frame: &Raster<'_, P>,
+        seen: impl Fn(usize) -> Seen + Sync,
         values: &Values,
         keys: Keys<'_>,
     ) -> Survey {
+        let mut survey = Survey::default();
+        let words = |first: usize| Words::of(|bit| seen(first + bit));
+        let _ = self.step((&mut Walk::whole(), crew), &mut survey, frame, words, values, keys);
+        survey
+    }
+
+    /// The same in parts, a cell of the mesh at least in each: it has the work of twice its pixels.
+    pub(crate) fn step<P: Sample>(
+        &mut self,
+        (walk, crew): (&mut Walk, &impl Crew),
+        survey: &mut Survey,
+        frame: &Raster<'_, P>,
+        seen: impl Fn(usize) -> Words + Sync,
+        values: &Values,
+        mut keys: Keys<'_>,
+    ) -> Option<()> {
+        let (size, grid) = (self.size, self.grid);
+        let cost = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1)) * 2;
+        walk.pass(grid.cells(), cost, |cells| {
+            if cells.len() == grid.cells() {
+                let told = self.measure_cells(crew, frame, seen, values, keys);
+                *survey = self.remember(&told);
+                return;
+            }
+            if cells.start == 0 {
+                *survey = Survey::default();
+            }
+            for index in cells {
+                let count = keys_of_sky(frame, sides(size, grid, index), &seen, &mut keys);
+                let mut told = Told::default();
+                let is_enough = told.hears(0, &count);
+                survey.cells += told.survey.cells;
+                survey.measured += told.survey.measured;
+                if let Some(cell) = self.cells.get_mut(index).filter(|_| is_enough) {
+                    *cell = clipped(keys.sort(count.sky), values);
+                }
+                self.mark(index, is_enough);
+            }
+        })?;
+        self.settle(walk, *survey)
+    }
+
+    /// Measures all cells.
+    fn measure_cells<P: Sample>(
+        &mut self,
+        crew: &impl Crew,
+        frame: &Raster<'_, P>,
+        seen: impl Fn(usize) -> Words + Sync,
+        values: &Values,
+        keys: Keys<'_>,
+    ) -> [Told; MOST_CELLS] {
         let (size, grid) = (self.size, self.grid);
         let row_of_cells = |row: usize, cells: &mut [Sky], keys: &mut Keys<'_>| {
             let mut told = Told::default();
             for (column, cell) in cells.iter_mut().enumerate() {
                 let sides = sides(size, grid, row * grid.width.get() + column);
-                let count = keys_of_sky(pixels, size.0, sides, &seen, keys);
+                let count = keys_of_sky(frame, sides, &seen, keys);
                 if told.hears(column, &count) {
                     *cell = clipped(keys.sort(count.sky), values);
                 }
@@ -175,15 +228,31 @@ impl<'m> Mesh<'m> {
                 *told = row_of_cells(row, cells, &mut keys);
             }
         });
-        self.settle(&told)
+        told
     }
 
-    /// The same where `pixels`, in rows of `width`, are a part of the mesh's frame, which all its parts measure
+    /// Remembers which cells were measured: in the copy, which is free until the mesh is filtered.
+    fn remember(&mut self, told: &[Told]) -> Survey {
+        let sum = |part: fn(&Survey) -> u32| told.iter().map(|told| part(&told.survey)).sum();
+        let columns = self.grid.width.get();
+        for (row, told) in told.iter().enumerate().take(self.grid.height) {
+            (0..columns).for_each(|column| self.mark(row * columns + column, told.enough >> column & 1 == 1));
+        }
+        Survey { cells: sum(|survey| survey.cells), measured: sum(|survey| survey.measured) }
+    }
+
+    fn mark(&mut self, index: usize, is_measured: bool) {
+        if let Some(mark) = self.copy.get_mut(index) {
+            *mark = if is_measured { Sky { level: 0.0, noise: 0.0 } } else { Sky::UNKNOWN };
+        }
+    }
+
+    /// The same where `frame` is a part of the mesh's, which all its parts measure
     /// together; `seen` goes by the part's indices. `None` while others have yet to answer.
-    pub(crate) fn asked(
+    pub(crate) fn asked<P: Sample>(
         &mut self,
         (whole, round): (&dyn Whole, u32),
-        (pixels, width): (&[f32], usize),
+        frame: &Raster<'_, P>,
         seen: impl Fn(usize) -> Seen,
         values: &Values,
         mut keys: Keys<'_>,
@@ -192,7 +261,7 @@ impl<'m> Mesh<'m> {
         let columns = NonZero::new(size.0)?;
         let local = |at: usize| {
             let (x, y) = ((at % columns).checked_sub(part.origin.0)?, (at / columns).checked_sub(part.origin.1)?);
-            (x < width).then_some(y * width + x)
+            (x < frame.width).then_some(y * frame.width + x)
         };
         let places = |index: usize| cell_of(size, grid, index).filter_map(local);
         let is_own = |index: &usize| {
@@ -203,7 +272,7 @@ impl<'m> Mesh<'m> {
         let words = |index: usize| {
             let mut count = Count::default();
             let of_sky = places(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
-            let sorted = keys.sorted(of_sky.filter_map(|at| pixels.get(at).map(|pixel| pixel + 0.0)));
+            let sorted = keys.sorted(of_sky.filter_map(|at| frame.value(at).map(|pixel| pixel + 0.0)));
             let (Sky { level, noise }, Count { all, defined, sky }) = (clipped(sorted, values), count);
             [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
         };
@@ -218,22 +287,25 @@ impl<'m> Mesh<'m> {
                 *own = Sky { level: f32::from_bits(level), noise: f32::from_bits(noise) };
             }
         }
-        Some(self.settle(&told))
+        let survey = self.remember(&told);
+        self.settle(&mut Walk::whole(), survey)?;
+        Some(survey)
     }
 
-    /// Settles what cells have that were not measured, from what was told of every row.
-    fn settle(&mut self, told: &[Told]) -> Survey {
-        let sum = |part: fn(&Survey) -> u32| told.iter().map(|told| part(&told.survey)).sum();
-        let survey = Survey { cells: sum(|survey| survey.cells), measured: sum(|survey| survey.measured) };
-        if !survey.is_crowded() {
-            for (row, told) in self.cells.chunks_exact_mut(self.grid.width.get()).zip(told) {
-                let unmeasured = row.iter_mut().enumerate().filter(|(column, _)| told.enough >> column & 1 == 0);
-                unmeasured.for_each(|(_, cell)| *cell = Sky::UNKNOWN);
+    /// Settles what cells have that were not measured, and filters the mesh.
+    fn settle(&mut self, walk: &mut Walk, survey: Survey) -> Option<()> {
+        let (cells, columns, rows) = (self.grid.cells(), self.grid.width.get(), self.grid.height);
+        walk.once(cells, || {
+            if !survey.is_crowded() {
+                let unmeasured = self.cells.iter_mut().zip(self.copy.iter()).filter(|(_, mark)| !mark.known());
+                unmeasured.for_each(|(cell, _)| *cell = Sky::UNKNOWN);
             }
-        }
-        self.fill();
-        self.smooth();
-        survey
+        })?;
+        walk.pass(columns + rows, 8 * cells, |rings| {
+            let _ = { rings }.try_for_each(|_| self.fill());
+        })?;
+        walk.once(cells, || self.copy())?;
+        walk.pass(rows, 8 * columns, |rows| self.smooth(rows))
     }
 
     fn cell(cells: &[Sky], index: usize) -> Sky {
@@ -244,32 +316,30 @@ impl<'m> Mesh<'m> {
         self.copy.iter_mut().zip(self.cells.iter()).for_each(|(copy, cell)| *copy = *cell);
     }
 
-    /// Unknown cells take the mean of their known neighbours, ring by ring.
-    fn fill(&mut self) {
-        for _ in 0..self.grid.width.get() + self.grid.height {
-            self.copy();
-            if self.cells.iter().all(|cell| cell.known()) {
-                return;
+    /// Unknown cells take the mean of their known neighbours, one ring of them; `None` where there are no more.
+    fn fill(&mut self) -> Option<()> {
+        if self.cells.iter().all(|cell| cell.known()) {
+            return None;
+        }
+        self.copy();
+        for (index, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| !cell.known()) {
+            let (mut level, mut noise, mut count) = (0.0, 0.0, 0.0);
+            let near = self.grid.neighbours(index).map(|near| Self::cell(self.copy, near));
+            for near in near.filter(|near| near.known()) {
+                (level, noise, count) = (level + near.level, noise + near.noise, count + 1.0);
             }
-            for (index, cell) in self.cells.iter_mut().enumerate().filter(|(_, cell)| !cell.known()) {
-                let (mut level, mut noise, mut count) = (0.0, 0.0, 0.0);
-                let near = self.grid.neighbours(index).map(|near| Self::cell(self.copy, near));
-                for near in near.filter(|near| near.known()) {
-                    (level, noise, count) = (level + near.level, noise + near.noise, count + 1.0);
-                }
-                if count > 0.0 {
-                    *cell = Sky { level: level / count, noise: noise / count };
-                }
+            if count > 0.0 {
+                *cell = Sky { level: level / count, noise: noise / count };
             }
         }
+        Some(())
     }
 
-    /// Each cell becomes the median of the 3 x 3 cells around it; beyond the border the levels go on
-    /// straight, so that there a slope is kept too, and the noise stays.
-    fn smooth(&mut self) {
-        self.copy();
+    /// Each cell of some rows becomes the median of the 3 x 3 cells around it; beyond the border the levels go on
+    /// straight, so that there a slope is kept too, and the noise stays. The copy has them as they were.
+    fn smooth(&mut self, part: Range<usize>) {
         let (columns, rows) = (self.grid.width.get(), self.grid.height);
-        for (index, cell) in self.cells.iter_mut().enumerate() {
+        for (index, cell) in self.cells.iter_mut().enumerate().take(part.end * columns).skip(part.start * columns) {
             let (column, row) = self.grid.place(index);
             let near = |value: fn(Sky) -> f32, slope: f32| {
                 let at = |column: usize, row: usize| value(Self::cell(self.copy, row * columns + column));
@@ -333,19 +403,18 @@ fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4
 }
 
 /// Lays the keys of the sky's pixels between the sides of a cell where they are sorted.
-fn keys_of_sky(
-    pixels: &[f32],
-    width: usize,
+fn keys_of_sky<P: Sample>(
+    frame: &Raster<'_, P>,
     [left, right, bottom, top]: [usize; 4],
     seen: &impl Fn(usize) -> Words,
     keys: &mut Keys<'_>,
 ) -> Count {
     let mut count = Count { all: (right - left) * (top - bottom), ..Count::default() };
     // Adding 0 gives both zeros one key.
-    let key = |pixel: &f32| (pixel + 0.0).key();
-    for first in (bottom..top).map(|y| y * width + left) {
-        let row = pixels.get(first..first + (right - left)).unwrap_or(&[]);
-        for (first, pixels) in (first..).step_by(WORD).zip(row.chunks(WORD)) {
+    let key = |pixel: &P| (pixel.value() + 0.0).key();
+    for y in bottom..top {
+        let pieces = frame.part(y, left..right).chunks(WORD);
+        for (first, pixels) in (y * frame.width + left..).step_by(WORD).zip(pieces) {
             let Words { defined, sky } = seen(first).first(pixels.len());
             let free = keys.0.get_mut(count.sky..).unwrap_or(&mut []);
             if sky.count_ones() as usize == pixels.len() {

@@ -19,7 +19,7 @@ pub mod select;
 pub mod signal;
 pub mod spike;
 pub mod tail;
-mod values;
+pub(crate) mod values;
 pub mod view;
 
 pub use clipped::{LEAST_PIXELS, clipped};

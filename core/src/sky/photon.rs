@@ -4,11 +4,14 @@
 //! doi:10.1006/cviu.1996.0060); its scatter on pixels of like brightness, against that on sky,
 //! is the image's own photon transfer curve.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::plane::field::Field;
 use crate::plane::mask::Mask;
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::sort::{Keys, median};
+use crate::plane::walk::Walk;
+use core::ops::Range;
 
 /// Brightness from which the curve is read; each level is twice the one before it.
 const FAINTEST: f32 = 4.0;
@@ -17,18 +20,44 @@ const LEVELS: u32 = 4;
 /// Pixels that a level must have.
 const ENOUGH: usize = 100;
 
+/// What is known of the photon transfer curve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Curve {
+    /// The scatter of the sky; 0 where it is not known.
+    sky: f32,
+    /// The least slope so far; NaN for none.
+    least: f32,
+}
+
+impl Curve {
+    /// Nothing is known.
+    pub const NOTHING: Curve = Curve { sky: 0.0, least: f32::NAN };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.real(&mut self.sky)?;
+        codec.real(&mut self.least)
+    }
+
+    /// The photon noise.
+    pub fn slope(&self) -> f32 {
+        if self.sky > 0.0 && self.least > 0.0 { self.least } else { 0.0 }
+    }
+}
+
 /// The photon noise `a` of a signal-to-noise image: a pixel of brightness v has the variance
 /// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
 /// where no level has enough pixels. `fine` is the signal lightly smoothed, the pixels near sources
 /// are `masked`. Cost: five looks at each pixel. While other parts of an image have yet to answer, it means nothing.
-pub fn slope<L: Level>(
-    whole: Option<&dyn Whole>,
+pub(crate) fn step<L: Level>(
+    walk: &mut Walk,
+    (whole, curve): (Option<&dyn Whole>, &mut Curve),
     signal: Field<'_, L>,
     fine: &[L],
     masked: Mask<'_>,
     mut keys: Keys<'_>,
-) -> f32 {
-    let mut scatter = |question: Question, from: f32, to: f32| {
+) -> Option<()> {
+    let mut scatter = |walk: &mut Walk, question: Question, from: f32, to: f32| {
         let sky = question == Question::PhotonSky;
         let (from, to) = (L::of(from), L::of(to));
         let wanted = |bright: L, at: usize| if sky { !masked.has(at) } else { bright >= from && bright < to };
@@ -37,38 +66,46 @@ pub fn slope<L: Level>(
             if wanted(bright, at) { second_difference(signal, at) } else { None }
         };
         let sorted = match whole {
-            None if !sky => keys.sorted(bright(fine, from, to).filter_map(value)),
+            None if !sky => {
+                let pieces = (fine.len().div_ceil(PIECE), PIECE);
+                Some(keys.gather(walk, pieces, |pieces| bright(fine, pieces, from, to).filter_map(value))?)
+            }
             _ => {
                 let pixels = (fine.len(), signal.grid.width.get(), sky);
-                part::sorted(whole.map(|whole| (whole, question)), pixels, &mut keys, value)?
+                part::sorted(walk, whole.map(|whole| (whole, question)), pixels, &mut keys, value)?
             }
         };
-        (sorted.len() >= ENOUGH).then(|| median::<L>(sorted).to_f32())
+        Some(sorted.filter(|sorted| sorted.len() >= ENOUGH).map(|sorted| median::<L>(sorted).to_f32()))
     };
-    let sky = scatter(Question::PhotonSky, 0.0, 0.0).filter(|&sky| sky > 0.0);
+    let sky = scatter(walk, Question::PhotonSky, 0.0, 0.0)?.filter(|&sky| sky > 0.0);
     let waiting = whole.is_some_and(Whole::is_waiting);
-    let Some(sky) = sky.or(waiting.then_some(1.0)) else { return 0.0 };
-    let mut least = None;
+    walk.once(1, || *curve = Curve { sky: sky.or(waiting.then_some(1.0)).unwrap_or(0.0), ..Curve::NOTHING })?;
+    let levels = if curve.sky > 0.0 { LEVELS } else { 0 };
     let mut from = FAINTEST;
-    for number in 0..LEVELS {
-        if let Some(level) = scatter(Question::Photons(number), from, 2.0 * from) {
-            let ratio = level / sky;
-            // The middle of the level, in the logarithm.
-            let slope = (ratio * ratio - 1.0) / (from * core::f32::consts::SQRT_2);
-            least = Some(if least.is_some_and(|least| least < slope) { least.unwrap_or(slope) } else { slope });
-        }
+    for number in 0..levels {
+        let level = scatter(walk, Question::Photons(number), from, 2.0 * from)?;
+        walk.once(1, || {
+            if let Some(level) = level {
+                let ratio = level / curve.sky;
+                // The middle of the level, in the logarithm.
+                let slope = (ratio * ratio - 1.0) / (from * core::f32::consts::SQRT_2);
+                curve.least = if curve.least < slope { curve.least } else { slope };
+            }
+        })?;
         from *= 2.0;
     }
-    least.filter(|&slope| slope > 0.0).unwrap_or(0.0)
+    Some(())
 }
 
 /// Pixels that are looked at together.
 const PIECE: usize = 16;
 
-/// The pixels of a plane from the first of a piece to its last, where one has such a brightness.
-fn bright<L: Level>(fine: &[L], from: L, to: L) -> impl Iterator<Item = usize> {
+/// The pixels of some pieces of a plane from the first to the last of each, where one has such a brightness.
+fn bright<L: Level>(fine: &[L], pieces: Range<usize>, from: L, to: L) -> impl Iterator<Item = usize> {
+    let (first, end) = (pieces.start * PIECE, fine.len().min(pieces.end * PIECE));
+    let fine = fine.get(first..end).unwrap_or(&[]);
     let any = move |piece: &[L]| piece.iter().fold(false, |any, &value| any | ((value >= from) & (value < to)));
-    let pieces = (0..).step_by(PIECE).zip(fine.chunks(PIECE)).filter(move |(_, piece)| any(piece));
+    let pieces = (first..).step_by(PIECE).zip(fine.chunks(PIECE)).filter(move |(_, piece)| any(piece));
     pieces.flat_map(|(first, piece)| first..first + piece.len())
 }
 

@@ -1,18 +1,22 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
 use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{self, Question, Whole};
-use crate::plane::rows::row_of;
+use crate::plane::raster::{Sample, mixed};
+use crate::plane::rows::{row_of, rows_of, rows_of_mut};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
+use crate::plane::walk::Walk;
 use crate::sky::spike::clean;
 use crate::sky::tail::Tail;
 use crate::sky::view::{Known, View};
 use crate::sky::{Mesh, Seen, Sky, Survey, Words};
+use core::ops::Range;
 
 /// Smoothing goes on where the change is below this, in its noise.
 const LEPSKI: f32 = 1.7;
@@ -42,17 +46,45 @@ pub struct Planes<'m, L: Level> {
     pub mesh: &'m mut [Sky],
 }
 
+/// What was seen of a frame when its sky was measured.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measured {
+    /// How the sky was measured.
+    pub survey: Survey,
+    /// By how much noise that is given counts.
+    pub factor: f32,
+    pub read: Read,
+}
+
+impl Measured {
+    /// Before the first look.
+    pub const NOTHING: Measured = Measured {
+        survey: Survey { cells: 0, measured: 0 },
+        factor: 1.0,
+        read: Read { has_noise: false, checksum: 0 },
+    };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.word(&mut self.survey.cells)?;
+        codec.word(&mut self.survey.measured)?;
+        codec.real(&mut self.factor)?;
+        codec.flag(&mut self.read.has_noise)?;
+        codec.word(&mut self.read.checksum)
+    }
+}
+
 /// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
-/// pixel has the mean of the two between which it lies, or none. Tells how the sky was measured; `None`
-/// where there is no noise to divide by. `round` counts how often it has been measured.
-pub fn measure<L: Level>(
-    view: &View<'_>,
+/// pixel has the mean of the two between which it lies, or none. `round` counts how often it has been measured.
+pub(crate) fn measure<L: Level, P: Sample>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    measured: &mut Measured,
+    view: &View<'_, P>,
     cell: usize,
     round: u32,
     work: &mut Planes<'_, L>,
-    crew: &impl Crew,
-) -> Option<Survey> {
-    let &View { pixels, grid, known, values } = view;
+) -> Option<()> {
+    let &View { frame, grid, known, values } = view;
     let width = grid.width.get();
     let mut keys = work.keys.again();
     let masked = Mask(work.masked.0);
@@ -63,76 +95,114 @@ pub fn measure<L: Level>(
         (true, true) => Seen::Sky,
     };
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
-    let survey = match known.whole {
-        None if all_defined => {
-            let words = |first: usize| Words { defined: u32::MAX, sky: !masked.word(first) };
-            mesh.measure_by(crew, pixels, words, &values, keys.again())
-        }
-        None => mesh.measure_by(crew, pixels, |first| Words::of(|bit| seen(first + bit)), &values, keys.again()),
-        // Nothing can be done before it is known.
-        Some(whole) => match mesh.asked((whole, round), (pixels, width), seen, &values, keys.again()) {
-            Some(survey) => survey,
-            None => return Some(Survey::default()),
-        },
+    let words = |first: usize| match all_defined {
+        true => Words { defined: u32::MAX, sky: !masked.word(first) },
+        false => Words::of(|bit| seen(first + bit)),
     };
+    match known.whole {
+        None => mesh.step((walk, crew), &mut measured.survey, &frame, words, &values, keys.again())?,
+        // Nothing can be done before it is known.
+        Some(whole) => match mesh.asked((whole, round), &frame, seen, &values, keys.again()) {
+            Some(survey) => measured.survey = survey,
+            None => {
+                *measured = Measured { read: Read { has_noise: true, checksum: 0 }, ..Measured::NOTHING };
+                return Some(());
+            }
+        },
+    }
     let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
     let sky_at = |at: usize| mesh.at(left + at % grid.width, bottom + at / grid.width);
-    let mut factor = 1.0;
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);
-        factor = typical(known.whole.map(|whole| (whole, Question::Relative(round))), ratio, pixels.len(), width, keys);
+        let asked = known.whole.map(|whole| (whole, Question::Relative(round)));
+        typical(walk, asked, &mut measured.factor, ratio, (frame.count(), width), keys)?;
     }
     // A part may have no pixel, where the image has.
-    let noise_seen = known.whole.is_some() && !sky_at(0).level.is_nan();
-    let (rows, mut seen_in) = (crew.rows(grid).max(1), [noise_seen; MOST_BANDS]);
+    let has_noise = known.whole.is_some() && !sky_at(0).level.is_nan();
+    let rows = crew.rows(grid).max(1);
     let band = (width * rows).max(1);
-    let bands = (0..).step_by(rows).zip(work.fine.chunks_mut(band)).zip(&mut seen_in);
-    crew.each(bands, |((first, band), noise_seen)| {
-        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
-            *noise_seen |= crew.wide(SignalRow { view, y, mesh: &mesh, origin: (left, bottom), factor, out });
-        }
-    });
-    bridge(view, work.fine);
+    let factor = measured.factor;
+    walk.pass(grid.height, 2 * width, |part| {
+        let read = if part.start == 0 { Read { has_noise, checksum: 0 } } else { measured.read };
+        let mut seen_in = [read; MOST_BANDS];
+        let bands = bands_of(&part, band, width, work.fine).zip(&mut seen_in);
+        crew.each(bands, |((first, band), read)| {
+            for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+                crew.wide(SignalRow { view, y, mesh: &mesh, origin: (left, bottom), factor, out, read });
+            }
+        });
+        let sum = |sum: u32, other: &Read| sum.wrapping_add(other.checksum.wrapping_sub(read.checksum));
+        let has_noise = seen_in.iter().any(|read| read.has_noise);
+        measured.read = Read { has_noise, checksum: seen_in.iter().fold(read.checksum, sum) };
+    })?;
+    walk.pass(if view.is_whole() { 0 } else { grid.height }, width, |rows| bridge(view, rows, work.fine))?;
     let signal = &*work.fine;
     let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(signal, width, y));
-    crew.each((0..).step_by(rows).zip(work.signal.chunks_mut(band)), |(first, band): (usize, _)| {
-        for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
-            clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
-        }
-    });
-    seen_in.contains(&true).then_some(survey)
+    walk.pass(grid.height, width, |part| {
+        crew.each(bands_of(&part, band, width, work.signal), |(first, band): (usize, _)| {
+            for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
+                clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
+            }
+        });
+    })
+}
+
+/// The first rows and the pixels of bands in some rows of a plane.
+fn bands_of<'p, L>(
+    rows: &Range<usize>,
+    band: usize,
+    width: usize,
+    plane: &'p mut [L],
+) -> impl Iterator<Item = (usize, &'p mut [L])> + use<'p, L> {
+    let part = plane.get_mut(rows.start * width..rows.end * width).unwrap_or(&mut []);
+    (rows.start..).step_by((band / width.max(1)).max(1)).zip(part.chunks_mut(band.max(1)))
+}
+
+/// What was seen of some rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Read {
+    /// Whether there is noise to divide by.
+    pub has_noise: bool,
+    /// As in [`Values`](crate::sky::Values).
+    pub checksum: u32,
 }
 
 /// Keeps of a round that all parts of an image have answered what the next one may need: the mesh.
-pub fn remember<L: Level>(view: &View<'_>, cell: usize, round: u32, whole: &dyn Whole, work: &mut Planes<'_, L>) {
-    let pixels = (view.pixels, view.grid.width.get());
+pub fn remember<L: Level, P: Sample>(
+    view: &View<'_, P>,
+    cell: usize,
+    round: u32,
+    whole: &dyn Whole,
+    work: &mut Planes<'_, L>,
+) {
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
-    mesh.asked((whole, round), pixels, |_| Seen::Undefined, &view.values, work.keys.again());
+    mesh.asked((whole, round), &view.frame, |_| Seen::Undefined, &view.values, work.keys.again());
 }
 
 /// Pixels of a row whose sky is looked up together.
 const PIECE: usize = 256;
 
-/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise; whether any has. The mesh is read from a
+/// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise. The mesh is read from a
 /// column and row of its frame on; noise that is given counts `factor` times.
-struct SignalRow<'a, L> {
-    view: &'a View<'a>,
+struct SignalRow<'a, L, P> {
+    view: &'a View<'a, P>,
     y: usize,
     mesh: &'a Mesh<'a>,
     origin: (usize, usize),
     factor: f32,
     out: &'a mut [L],
+    read: &'a mut Read,
 }
 
-impl<L: Level> Task for SignalRow<'_, L> {
-    type Output = bool;
+impl<L: Level, P: Sample> Task for SignalRow<'_, L, P> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> bool {
-        let SignalRow { view, y, mesh, origin: (left, bottom), factor, out } = self;
-        let &View { pixels, grid, values, .. } = view;
+    fn run(self) {
+        let SignalRow { view, y, mesh, origin: (left, bottom), factor, out, read } = self;
+        let &View { frame, grid, values, .. } = view;
         let (width, mut noise_seen) = (grid.width.get(), false);
-        let pieces = row_of(pixels, width, y).chunks(PIECE).zip(out.chunks_mut(PIECE));
+        let pieces = frame.row(y).chunks(PIECE).zip(out.chunks_mut(PIECE));
         for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
             let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
             let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
@@ -145,14 +215,18 @@ impl<L: Level> Task for SignalRow<'_, L> {
                 let noise = noise.iter_mut().zip(from(map, width, x, y));
                 noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
             }
-            for (((out, &pixel), &level), &noise) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise) {
+            for ((((out, pixel), &level), &noise), x) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise).zip(x..) {
+                let pixel = pixel.value();
+                if P::CHANGES {
+                    read.checksum = read.checksum.wrapping_add(mixed((y * width + x) as u32, pixel));
+                }
                 let signal = (pixel - level) / noise;
                 let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
                 noise_seen |= usable;
                 *out = L::of(if usable { signal } else { 0.0 });
             }
         }
-        noise_seen
+        read.has_noise |= noise_seen;
     }
 }
 
@@ -161,13 +235,10 @@ fn from(map: &[f32], width: usize, x: usize, y: usize) -> &[f32] {
     row_of(map, width, y).get(x..).unwrap_or(&[])
 }
 
-/// Gives undefined pixels between two defined ones their mean.
-fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
-    if view.is_whole() {
-        return;
-    }
-    let half = L::Weight::of(0.5);
-    for at in (0..signal.len()).filter(|&at| !view.is_defined(at)) {
+/// Gives undefined pixels of some rows between two defined ones their mean.
+fn bridge<L: Level, P: Sample>(view: &View<'_, P>, rows: Range<usize>, signal: &mut [L]) {
+    let (half, width) = (L::Weight::of(0.5), view.grid.width.get());
+    for at in (rows.start * width..rows.end * width).filter(|&at| !view.is_defined(at)) {
         let Some(pair) = view.between(at) else { continue };
         let [before, after] = pair.map(|at| signal.get(at).map_or(L::ZERO, |signal| signal.scaled(half)));
         if let Some(signal) = signal.get_mut(at) {
@@ -176,83 +247,123 @@ fn bridge<L: Level>(view: &View<'_>, signal: &mut [L]) {
     }
 }
 
-/// The median of the positive values of a sample; 1 where there are none.
+/// Finds the median of the positive values of a sample; 1 where there are none.
 fn typical(
+    walk: &mut Walk,
     whole: Option<(&dyn Whole, Question)>,
+    found: &mut f32,
     value: impl Fn(usize) -> f32,
-    count: usize,
-    width: usize,
+    (count, width): (usize, usize),
     mut keys: Keys<'_>,
-) -> f32 {
+) -> Option<()> {
     let positive = |at: usize| Some(value(at)).filter(|value| value.is_finite() && *value > 0.0);
-    match part::sorted(whole, (count, width, true), &mut keys, positive) {
-        Some(sorted) if !sorted.is_empty() => median(sorted),
-        _ => 1.0,
+    let sorted = part::sorted(walk, whole, (count, width, true), &mut keys, positive)?;
+    walk.once(1, || *found = sorted.filter(|sorted| !sorted.is_empty()).map_or(1.0, median))
+}
+
+/// The noise of what is smoothed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smoothing<L> {
+    /// Of the fine plane.
+    pub fine: Tail<L>,
+    /// Of what is smoothed away from it.
+    pub details: Tail<L>,
+}
+
+impl<L: Level> Smoothing<L> {
+    /// Nothing is known.
+    pub const NOTHING: Smoothing<L> = Smoothing { fine: Tail::UNKNOWN, details: Tail::UNKNOWN };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        self.fine.code(codec)?;
+        self.details.code(codec)
     }
 }
 
-/// Fills the fine and the smooth plane; gives the noise of the fine one.
-pub fn smooth<L: Level>(view: &View<'_>, round: u32, work: &mut Planes<'_, L>, crew: &impl Crew) -> Tail<L> {
-    let grid = view.grid;
-    Weights::gauss(FINE).apply(work.signal, work.rows, work.fine, grid, crew);
+/// Fills the fine and the smooth plane, and finds their noise.
+pub(crate) fn smooth<L: Level, P: Sample>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    noise: &mut Smoothing<L>,
+    view: &View<'_, P>,
+    round: u32,
+    work: &mut Planes<'_, L>,
+) -> Option<()> {
+    let (grid, width) = (view.grid, view.grid.width.get());
+    walk.pass(grid.height, 2 * width, |rows| {
+        Weights::gauss(FINE).apply_rows(rows, work.signal, work.rows, work.fine, grid, crew);
+    })?;
     let (fine, masked) = (&*work.fine, Mask(work.masked.0));
     let value = |plane: &[L], at: usize| plane.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Fine(round), Question::FinePowers(round)];
-    let tail = view.tail(questions, |at| value(fine, at), masked, work.keys.again());
-    Weights::SPLINE.apply(fine, work.rows, work.smooth, grid, crew);
+    view.tail(walk, (&mut noise.fine, questions), |at| value(fine, at), masked, work.keys.again())?;
+    walk.pass(grid.height, 2 * width, |rows| {
+        Weights::SPLINE.apply_rows(rows, fine, work.rows, work.smooth, grid, crew);
+    })?;
     let detail = |at: usize| value(fine, at) - value(work.smooth, at);
     let questions = [Question::Details(round), Question::DetailPowers(round)];
-    let details = view.tail(questions, detail, masked, work.keys.again());
-    let least = details.noise.scaled(L::Weight::of(LEPSKI));
-    let band = (grid.width.get() * crew.rows(grid)).max(1);
-    crew.each(work.smooth.chunks_mut(band).zip(fine.chunks(band)), |(smooth, fine)| {
-        for (smooth, &fine) in smooth.iter_mut().zip(fine) {
+    view.tail(walk, (&mut noise.details, questions), detail, masked, work.keys.again())?;
+    let least = noise.details.noise.scaled(L::Weight::of(LEPSKI));
+    walk.pass(grid.height, width, |rows| {
+        for (smooth, &fine) in rows_of_mut(work.smooth, &rows, width).iter_mut().zip(rows_of(fine, &rows, width)) {
             *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
         }
-    });
-    tail
+    })
 }
 
 /// Masks the sources that have a pixel above `peak` in the fine plane, what is within about
 /// two pixels of them, and what has no signal.
-pub fn mask_sources<L: Level>(view: &View<'_>, outline: L, peak: L, work: &mut Planes<'_, L>, crew: &impl Crew) {
-    let grid = view.grid;
+pub(crate) fn mask_sources<L: Level, P: Sample>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    view: &View<'_, P>,
+    outline: L,
+    peak: L,
+    work: &mut Planes<'_, L>,
+) -> Option<()> {
+    let (grid, width) = (view.grid, view.grid.width.get());
     let (source, perhaps) = (L::ONE, perhaps());
-    let band = (grid.width.get() * crew.rows(grid)).max(1);
-    crew.each(work.fine.chunks_mut(band).zip(work.smooth.chunks(band)), |(fine, smooth)| {
-        for (fine, &smooth) in fine.iter_mut().zip(smooth) {
+    walk.pass(grid.height, width, |rows| {
+        let smooth = rows_of(work.smooth, &rows, width);
+        for (fine, &smooth) in rows_of_mut(work.fine, &rows, width).iter_mut().zip(smooth) {
             *fine = match (smooth > outline, *fine > peak) {
                 (true, true) => source,
                 (true, false) => perhaps,
                 _ => L::ZERO,
             };
         }
-    });
+    })?;
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
-    let (marks, width) = (&mut *work.fine, grid.width.get());
+    let marks = &mut *work.fine;
     for backwards in [false, true, false] {
         let pieces = marks.len().div_ceil(MARKS);
-        for piece in 0..pieces {
-            let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
-            let end = marks.len().min(first + MARKS);
-            let has = |piece: &[L], wanted: L| piece.iter().fold(false, |any, &mark| any | (mark == wanted));
-            let is_open = marks.get(first..end).is_some_and(|piece| has(piece, perhaps));
-            // With a pixel on every side; where the plane ends there may be a source.
-            let beside = |start: Option<usize>| marks.get(start?..)?.get(..MARKS + 2);
-            let rows = || [first.checked_sub(width + 1), first.checked_sub(1), (first + width).checked_sub(1)];
-            if is_open && rows().into_iter().any(|start| beside(start).is_none_or(|piece| has(piece, source))) {
-                for index in first..end {
-                    let index = if backwards { end - 1 - (index - first) } else { index };
-                    mark_beside(marks, index, grid);
+        walk.pass(pieces, MARKS, |part| {
+            for piece in part {
+                let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
+                let end = marks.len().min(first + MARKS);
+                let has = |piece: &[L], wanted: L| piece.iter().fold(false, |any, &mark| any | (mark == wanted));
+                let is_open = marks.get(first..end).is_some_and(|piece| has(piece, perhaps));
+                // With a pixel on every side; where the plane ends there may be a source.
+                let beside = |start: Option<usize>| marks.get(start?..)?.get(..MARKS + 2);
+                let rows = || [first.checked_sub(width + 1), first.checked_sub(1), (first + width).checked_sub(1)];
+                if is_open && rows().into_iter().any(|start| beside(start).is_none_or(|piece| has(piece, source))) {
+                    for index in first..end {
+                        let index = if backwards { end - 1 - (index - first) } else { index };
+                        mark_beside(marks, index, grid);
+                    }
                 }
             }
+        })?;
+    }
+    walk.pass(grid.height, width, |rows| {
+        for mark in rows_of_mut(marks, &rows, width) {
+            *mark = if *mark < source { L::ZERO } else { *mark };
         }
-    }
-    for mark in marks.iter_mut() {
-        *mark = if *mark < source { L::ZERO } else { *mark };
-    }
-    Weights::gauss(GROWTH).mark(work.fine, L::of(NEAR), work.rows, MaskMut(work.masked.0), grid, crew);
-    mask_undefined(view, &mut work.masked);
+    })?;
+    walk.pass(grid.height, 2 * width, |rows| {
+        let masked = MaskMut(work.masked.0);
+        Weights::gauss(GROWTH).mark_rows(rows, (work.fine, L::of(NEAR)), work.rows, masked, grid, crew);
+    })?;
+    mask_undefined(walk, view, &mut work.masked)
 }
 
 /// Marks that are looked at together.
@@ -275,16 +386,18 @@ fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) {
 }
 
 /// Masks the pixels without a signal: they would count as quiet sky.
-pub fn mask_undefined(view: &View<'_>, masked: &mut MaskMut<'_>) {
-    if view.is_whole() {
-        return;
-    }
-    (0..view.pixels.len()).filter(|&at| !view.has_signal(at)).for_each(|at| masked.set(at));
+pub(crate) fn mask_undefined<P: Sample>(walk: &mut Walk, view: &View<'_, P>, masked: &mut MaskMut<'_>) -> Option<()> {
+    let (rows, width) = (if view.is_whole() { 0 } else { view.grid.height }, view.grid.width.get());
+    walk.pass(rows, width, |rows| {
+        let pixels = rows.start * width..rows.end * width;
+        pixels.filter(|&at| !view.has_signal(at)).for_each(|at| masked.set(at));
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::raster::Raster;
 
     extern crate std;
 
@@ -301,9 +414,9 @@ mod tests {
     fn undefined_pixels_between_defined_ones_have_their_mean() {
         let grid = Grid::of(20, 5).unwrap();
         let (mut keys, mut spare) = ([0; 20], [0; 20]);
-        let view = View::of(&PIXELS, grid, Known::default(), Keys(&mut keys, &mut spare));
+        let view = View::of(Raster::of(&PIXELS, 5), grid, Known::default(), Keys(&mut keys, &mut spare));
         let mut signal = PIXELS.map(|pixel| if pixel.is_nan() { 0.0 } else { pixel });
-        bridge(&view, &mut signal);
+        bridge(&view, 0..4, &mut signal);
         #[rustfmt::skip]
         let expected = [
             1.0, 2.0, 3.0, 0.0, 0.0,
@@ -313,7 +426,7 @@ mod tests {
         ];
         assert_eq!(signal, expected);
         let mut masked = [0];
-        mask_undefined(&view, &mut MaskMut(&mut masked));
+        let _ = mask_undefined(&mut Walk::whole(), &view, &mut MaskMut(&mut masked));
         for (at, signal) in expected.into_iter().enumerate() {
             assert_eq!(Mask(&masked).has(at), signal == 0.0, "pixel {at}");
             assert_eq!(view.has_signal(at), signal != 0.0);

@@ -4,11 +4,14 @@
 //! than in a normal distribution of the same width. The height that noise exceeds as rarely is then
 //! that of E. A. Cornish and R. A. Fisher 1938, doi:10.2307/1400905, to the first order.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::sort::{Keys, median, ranked};
+use crate::plane::walk::Walk;
+use core::ops::Range;
 
 /// From the distance between median and quartile to the standard deviation of a normal distribution.
 const FROM_QUARTILE: f32 = 1.4826;
@@ -16,6 +19,8 @@ const FROM_QUARTILE: f32 = 1.4826;
 const REACH: f32 = 6.0;
 /// Less skewness is that of faint sources.
 const LEAST: f32 = 0.15;
+/// Fewer values do not tell the noise.
+const ENOUGH: usize = 16;
 /// More is not believed: the expansion ends there.
 const MOST: f32 = 2.5;
 
@@ -34,27 +39,77 @@ impl<L: Level> Tail<L> {
     /// least value the upper half counts as much, and the skewness is measured. Of large planes a sample
     /// gives the noise. Cost: a sort of the sample; where piled, two looks at each pixel more.
     pub fn measure(value: impl Fn(usize) -> L, grid: Grid, masked: Mask<'_>, piled: bool, keys: Keys<'_>) -> Tail<L> {
-        Tail::asked(None, grid, value, masked, piled, keys).unwrap_or(Tail::UNKNOWN)
+        let mut tail = Tail::UNKNOWN;
+        let _ = tail.step(&mut Walk::whole(), (None, grid), value, (masked, piled), keys);
+        tail
     }
 
     /// The tail of too few values.
     pub(crate) const UNKNOWN: Tail<L> = Tail { noise: L::ONE, skewness: 0.0 };
 
-    /// The same of all parts of an image, where the plane belongs to one of them: asked by the
-    /// question for the noise and that for the powers. `None` while others have yet to answer.
-    pub(crate) fn asked(
-        whole: Option<(&dyn Whole, [Question; 2])>,
-        grid: Grid,
+    /// The same in parts, and of all parts of an image, where the plane belongs to one of them: asked by the
+    /// question for the noise and that for the powers. Unknown while others have yet to answer.
+    pub(crate) fn step(
+        &mut self,
+        walk: &mut Walk,
+        (whole, grid): (Option<(&dyn Whole, [Question; 2])>, Grid),
         value: impl Fn(usize) -> L,
-        masked: Mask<'_>,
-        piled: bool,
+        (masked, piled): (Mask<'_>, bool),
         mut keys: Keys<'_>,
-    ) -> Option<Tail<L>> {
+    ) -> Option<()> {
         let sky = |at: usize| (!masked.has(at)).then(|| value(at));
         let asked = whole.map(|(whole, [noise, _])| (whole, noise));
-        let sorted = part::sorted(asked, (grid.cells(), grid.width.get(), true), &mut keys, sky)?;
-        if sorted.len() < 16 {
-            return Some(Tail::UNKNOWN);
+        let width = grid.width.get();
+        let Some(sorted) = part::sorted(walk, asked, (grid.cells(), width, true), &mut keys, sky)? else {
+            *self = Tail::UNKNOWN;
+            return Some(());
+        };
+        walk.once(1, || *self = Tail::of_sample(sorted, piled))?;
+        let (noise, is_known) = (self.noise, sorted.len() >= ENOUGH);
+        match whole {
+            _ if !piled => {}
+            None => {
+                let rows = if is_known { grid.height } else { 0 };
+                let reach = noise.scaled(L::Weight::of(REACH));
+                let near = |rows: Range<usize>| {
+                    let values = (rows.start * width..rows.end * width).filter_map(sky);
+                    values.filter(move |value| value.magnitude() <= reach).map(|value| f64::from(value.to_f32()))
+                };
+                walk.tally(rows, width, |tally, rows| {
+                    let [count, sum, ..] = if rows.start == 0 { [0.0; 4] } else { tally.sums };
+                    let (count, sum) = near(rows).fold((count, sum), |(count, sum), value| (count + 1.0, sum + value));
+                    tally.sums = [count, sum, 0.0, 0.0];
+                })?;
+                walk.tally(rows, width, |tally, rows| {
+                    let [count, sum, squares, cubes] = tally.sums;
+                    let mean = sum / at_least_one(count);
+                    let (squares, cubes) =
+                        near(rows).map(|value| value - mean).fold((squares, cubes), |(squares, cubes), bend| {
+                            (squares + bend * bend, cubes + bend * bend * bend)
+                        });
+                    tally.sums = [count, sum, squares, cubes];
+                })?;
+                let sums = walk.tally.sums;
+                walk.once(1, || self.skewness = if is_known { skewness(sums) } else { 0.0 })?;
+            }
+            Some((whole, [_, powers])) if is_known => {
+                let reach = noise.scaled(L::Weight::of(REACH));
+                let near = |at: usize| sky(at).filter(|value| value.magnitude() <= reach);
+                let own = || part_powers(whole.part().own(width).filter_map(near));
+                match whole.sums(powers, &mut { own }) {
+                    Some(sums) => self.skewness = skewness_of(sums),
+                    None => *self = Tail::UNKNOWN,
+                }
+            }
+            Some(_) => {}
+        }
+        Some(())
+    }
+
+    /// The noise of sorted values.
+    fn of_sample(sorted: &[u32], piled: bool) -> Tail<L> {
+        if sorted.len() < ENOUGH {
+            return Tail::UNKNOWN;
         }
         // The middle of each half's distances from the median.
         let (half, centre) = (sorted.len() / 2, median::<L>(sorted));
@@ -62,18 +117,13 @@ impl<L: Level> Tail<L> {
         let upper = ranked::<L>(sorted, sorted.len() - half + half / 2) - centre;
         let both = (lower + upper).scaled(L::Weight::of(0.5));
         let quartile = if piled { lower.greatest(both) } else { lower };
-        let noise = quartile.scaled(L::Weight::of(FROM_QUARTILE));
-        let skewness = match (piled, whole) {
-            (false, _) => 0.0,
-            (true, None) => skewness((0..grid.cells()).filter_map(sky), noise),
-            (true, Some((whole, [_, powers]))) => {
-                let reach = noise.scaled(L::Weight::of(REACH));
-                let near = |at: usize| sky(at).filter(|value| value.magnitude() <= reach);
-                let own = || part_powers(whole.part().own(grid.width.get()).filter_map(near));
-                skewness_of(whole.sums(powers, &mut { own })?)
-            }
-        };
-        Some(Tail { noise, skewness })
+        Tail { noise: quartile.scaled(L::Weight::of(FROM_QUARTILE)), skewness: 0.0 }
+    }
+
+    /// The list of fields, out or in.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.bits(&mut self.noise)?;
+        codec.real(&mut self.skewness)
     }
 
     /// The value that noise exceeds as rarely as normal noise exceeds `height` standard deviations.
@@ -87,20 +137,19 @@ impl<L: Level> Tail<L> {
     }
 }
 
-/// The skewness of the values within [`REACH`], from sums in the order of the pixels.
-fn skewness<L: Level>(sky: impl Iterator<Item = L> + Clone, noise: L) -> f32 {
-    let reach = noise.scaled(L::Weight::of(REACH));
-    let near = || sky.clone().filter(|value| value.magnitude() <= reach).map(|value| f64::from(value.to_f32()));
-    let (count, sum) = near().fold((0u32, 0.0), |(count, sum), value| (count + 1, sum + value));
-    let mean = sum / f64::from(count.max(1));
-    let (squares, cubes) = near()
-        .map(|value| value - mean)
-        .fold((0.0, 0.0), |(squares, cubes), bend| (squares + bend * bend, cubes + bend * bend * bend));
-    let variance = squares / f64::from(count.max(1));
+fn at_least_one(count: f64) -> f64 {
+    if count > 1.0 { count } else { 1.0 }
+}
+
+/// The skewness of the values within [`REACH`], of which these are the number, the sum, and the sums of squared and cubed
+/// distances from the mean, in the order of the pixels.
+fn skewness([count, _, squares, cubes]: [f64; 4]) -> f32 {
+    let count = at_least_one(count);
+    let variance = squares / count;
     if variance <= 0.0 {
         return 0.0;
     }
-    let skewness = (cubes / f64::from(count.max(1)) / (variance * libm::sqrt(variance))) as f32;
+    let skewness = (cubes / count / (variance * libm::sqrt(variance))) as f32;
     if skewness < LEAST { 0.0 } else { skewness.least(MOST) }
 }
 
@@ -113,7 +162,7 @@ fn part_powers<L: Level>(values: impl Iterator<Item = L>) -> [f64; 4] {
 
 /// The skewness that these sums tell; all but for rounding that of [`skewness`].
 fn skewness_of([count, sum, squares, cubes]: [f64; 4]) -> f32 {
-    let count = if count > 1.0 { count } else { 1.0 };
+    let count = at_least_one(count);
     let (mean, square, cube) = (sum / count, squares / count, cubes / count);
     let variance = square - mean * mean;
     if variance <= 0.0 {

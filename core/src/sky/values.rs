@@ -3,9 +3,13 @@
 //! They count in steps (B. Widrow, I. Kollar 2008, Quantization Noise), cut off what is below the
 //! black level, and fill pixels that were never observed with one number.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::plane::part::{self, Question, Whole};
-use crate::plane::sort::{Keys, median, ranked};
+use crate::plane::raster::{Raster, Sample, mixed};
+use crate::plane::sort::{Keys, SAMPLES, median, ranked};
+use crate::plane::walk::Walk;
+use core::ops::Range;
 
 /// A fill value has more than one in so many of the pixels.
 const FILL_SHARE: usize = 100;
@@ -50,6 +54,9 @@ pub struct Values {
     pub resolution: f32,
     /// The commonest of the defined values.
     pub commonest: f32,
+    /// A checksum over the values of all pixels by their places, where they can change while they are read
+    /// ([`Sample::CHANGES`]); else 0.
+    pub checksum: u32,
 }
 
 impl Values {
@@ -64,36 +71,26 @@ impl Values {
         greatest: 0.0,
         resolution: 0.0,
         commonest: 0.0,
+        checksum: 0,
     };
 
     /// Looks at the pixels of a frame, row-major in rows of `width`, that are finite and `allowed`.
     /// Steps, fill and pile are read from a sample of at most [`crate::plane::sort::SAMPLES`]. Cost: two
     /// looks at each pixel and one sort of the sample.
     pub fn measure(pixels: &[f32], width: usize, allowed: impl Fn(usize) -> bool, keys: Keys<'_>) -> Values {
-        Values::asked(None, pixels, width, allowed, keys).unwrap_or(Values::UNKNOWN)
+        let mut look = Look::NOTHING;
+        let _ = look.step(&mut Walk::whole(), None, &Raster::of(pixels, width), allowed, keys);
+        look.values
     }
 
-    /// The same of all parts of an image, where the pixels are one of them; `None` while others have yet to answer.
-    pub(crate) fn asked(
-        whole: Option<&dyn Whole>,
-        pixels: &[f32],
-        width: usize,
-        allowed: impl Fn(usize) -> bool,
-        mut keys: Keys<'_>,
-    ) -> Option<Values> {
-        let observed = |&at: &usize| allowed(at) && pixels.get(at).is_some_and(|pixel| pixel.is_finite());
-        // One key for both zeros.
-        let value = |at: usize| pixels.get(at).copied().unwrap_or(0.0) + 0.0;
-        let asked = whole.map(|whole| (whole, Question::Values));
-        let sampled = (pixels.len(), width, true);
-        let sorted = part::sorted(asked, sampled, &mut keys, |at| observed(&at).then(|| value(at)))?;
-        let mut fill = f32::NAN;
-        if let Some(candidate) = fill_value(sorted) {
-            let pairs = Pairs::asked(whole, pixels.len(), width, |at| observed(&at) && value(at) == candidate)?;
-            if pairs.are_together(sorted.len(), occurrences(sorted, candidate)) {
-                fill = candidate;
-            }
-        }
+    /// Whether a value is an observation.
+    #[inline]
+    pub fn holds(&self, value: f32) -> bool {
+        value.is_finite() && value != self.fill
+    }
+
+    /// What sorted values of a sample tell, where `fill` is none of them.
+    fn of_sample(sorted: &[u32], fill: f32) -> Values {
         let mut values = Values { fill, ..Values::UNKNOWN };
         let rest = || runs(sorted).filter(|run| run.value != fill);
         values.commonest = rest().reduce(commoner).map_or(0.0, |run| run.value);
@@ -104,93 +101,159 @@ impl Values {
             values.greatest = most.value;
             values.saturated = count >= SATURATED_FROM && most.count * PILE_SHARE > count;
         }
-        values.span(whole, pixels, width, allowed)?;
-        Some(values)
+        values
+    }
+}
+
+/// Values that are looked at, part by part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    pub values: Values,
+    /// What may be filling; NaN for nothing.
+    candidate: f32,
+    /// How often it is in the sample.
+    occurrences: usize,
+    pairs: Pairs,
+    /// The least and the greatest value that neighbours reach together.
+    span: (f32, f32),
+}
+
+impl Look {
+    /// Before the first look.
+    pub const NOTHING: Look = Look {
+        values: Values::UNKNOWN,
+        candidate: f32::NAN,
+        occurrences: 0,
+        pairs: Pairs { all: 0, followed: 0 },
+        span: (f32::MAX, f32::MIN),
+    };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        let Values { step, fill, filled, defined, piled, saturated, greatest, resolution, commonest, checksum } =
+            &mut self.values;
+        for real in [step, fill, greatest, resolution, commonest, &mut self.candidate] {
+            codec.real(real)?;
+        }
+        for word in [filled, defined, checksum] {
+            codec.word(word)?;
+        }
+        codec.flag(piled)?;
+        codec.flag(saturated)?;
+        for count in [&mut self.occurrences, &mut self.pairs.all, &mut self.pairs.followed] {
+            codec.size(count)?;
+        }
+        codec.real(&mut self.span.0)?;
+        codec.real(&mut self.span.1)
     }
 
-    /// Whether a value is an observation.
-    #[inline]
-    pub fn holds(&self, value: f32) -> bool {
-        value.is_finite() && value != self.fill
-    }
-
-    /// Counts the pixels, and takes the range that neighbours in a row reach together: one hot
-    /// pixel does not widen it.
-    fn span(
+    /// [`Values::measure`] in parts, and of all parts of an image, where the frame is one of them: while others have yet
+    /// to answer, the values are unknown.
+    pub fn step<P: Sample>(
         &mut self,
+        walk: &mut Walk,
         whole: Option<&dyn Whole>,
-        pixels: &[f32],
-        width: usize,
+        frame: &Raster<'_, P>,
         allowed: impl Fn(usize) -> bool,
+        mut keys: Keys<'_>,
     ) -> Option<()> {
-        let part = whole.map(Whole::part);
-        let all = (0..width, 0..pixels.len().div_ceil(width.max(1)));
-        let (columns, rows) = part.map_or(all, |part| (part.columns, part.rows));
-        let mut range = Range { least: f32::MAX, greatest: f32::MIN };
-        for (y, row) in pixels.chunks(width.max(1)).enumerate().take(rows.end).skip(rows.start) {
+        /// Looks at each value of the sample, of the search for what is filling and of what the sample tells.
+        const LOOKS: usize = 10;
+        let (count, width) = (frame.count(), frame.width);
+        // One key for both zeros.
+        let observed = |at: usize| {
+            let value = if allowed(at) { frame.value(at) } else { None };
+            value.filter(|value| value.is_finite()).map(|value| value + 0.0)
+        };
+        let asked = whole.map(|whole| (whole, Question::Values));
+        let sampled = (count, width, true);
+        let Some(sorted) = part::sorted(walk, asked, sampled, &mut keys, observed)? else { return Some(()) };
+        let looks = LOOKS * count.min(SAMPLES);
+        walk.once(looks, || {
+            *self = Look { candidate: fill_value(sorted).unwrap_or(f32::NAN), ..Look::NOTHING };
+            self.occurrences = occurrences(sorted, self.candidate);
+        })?;
+        let candidate = self.candidate;
+        let holds = |at: usize| observed(at) == Some(candidate);
+        let is_asked = whole.is_some() && !candidate.is_nan();
+        if let Some(whole) = whole.filter(|_| is_asked) {
+            let Some(pairs) = Pairs::asked(whole, width, holds) else { return Some(()) };
+            self.pairs = pairs;
+        }
+        let rows = if is_asked || candidate.is_nan() { 0 } else { frame.height };
+        walk.pass(rows, width, |rows| self.pairs.count(rows.start * width..rows.end * width, width, holds))?;
+        walk.once(looks, || {
+            let is_filled = !candidate.is_nan() && self.pairs.are_together(sorted.len(), self.occurrences);
+            self.values = Values::of_sample(sorted, if is_filled { candidate } else { f32::NAN });
+        })?;
+        let (columns, rows) =
+            whole.map(Whole::part).map_or((0..width, 0..frame.height), |part| (part.columns, part.rows));
+        walk.pass(rows.len(), width, |part| {
+            self.span((columns, rows.start + part.start..rows.start + part.end), frame, allowed);
+        })?;
+        walk.once(1, || self.end(whole))
+    }
+
+    /// Counts the pixels of some rows, and takes the range that neighbours in a row reach together: one hot
+    /// pixel does not widen it.
+    fn span<P: Sample>(
+        &mut self,
+        (columns, rows): (Range<usize>, Range<usize>),
+        frame: &Raster<'_, P>,
+        allowed: impl Fn(usize) -> bool,
+    ) {
+        let (width, (mut least, mut greatest)) = (frame.width, self.span);
+        let Look { values, .. } = self;
+        for y in rows {
             // A part sees the pixel that its neighbour has on the left.
-            let first = columns.start.saturating_sub(1);
-            let row = row.get(first..columns.end.min(row.len())).unwrap_or(&[]);
-            let own = (columns.start - first).min(row.len());
-            let holds = |(x, &pixel): (usize, &f32)| self.holds(pixel) & allowed(y * width + x);
-            if (first..).zip(row).fold(true, |all, pixel| all & holds(pixel)) {
-                self.defined += (row.len() - own) as u32;
-                range = range.with(row);
-                continue;
-            }
-            let mut before = None;
-            for (x, &pixel) in (first..).zip(row) {
+            let (row, mut before) = (frame.row(y), None);
+            for (x, pixel) in row.iter().enumerate().take(columns.end).skip(columns.start.saturating_sub(1)) {
+                let pixel = pixel.value();
+                if P::CHANGES {
+                    values.checksum = values.checksum.wrapping_add(mixed((y * width + x) as u32, pixel));
+                }
                 let seen = pixel.is_finite() && allowed(y * width + x);
-                let defined = seen && self.holds(pixel);
+                let defined = seen && values.holds(pixel);
                 if x >= columns.start {
-                    self.defined += u32::from(defined);
-                    self.filled += u32::from(seen && !defined);
+                    values.defined += u32::from(defined);
+                    values.filled += u32::from(seen && !defined);
                     if let (Some(before), true) = (before, defined) {
-                        range = range.with(&[before, pixel]);
+                        least = least.least(pixel.greatest(before));
+                        greatest = greatest.greatest(pixel.least(before));
                     }
                 }
                 before = defined.then_some(pixel);
             }
         }
-        let Range { mut least, mut greatest } = range;
+        self.span = (least, greatest);
+    }
+
+    /// What the counts of all parts tell; of one of them, where others have yet to answer.
+    fn end(&mut self, whole: Option<&dyn Whole>) {
+        if self.ask(whole).is_none() {
+            self.values = Values::UNKNOWN;
+        }
+        let (least, greatest) = self.span;
+        if greatest > least {
+            self.values.resolution = greatest * RESOLUTION - least * RESOLUTION;
+        }
+    }
+
+    fn ask(&mut self, whole: Option<&dyn Whole>) -> Option<()> {
         if let Some(whole) = whole {
-            let counts = [f64::from(self.defined), f64::from(self.filled), 0.0, 0.0];
+            let (Values { defined, filled, .. }, (least, greatest)) = (self.values, self.span);
+            let counts = [f64::from(defined), f64::from(filled), 0.0, 0.0];
             let own = |value: f32| [value.key()].into_iter().filter(move |_| least < f32::MAX);
             let sums = whole.sums(Question::Defined, &mut || counts);
             let keys = whole.words(Question::Least, &mut own(least));
             let others = whole.words(Question::Greatest, &mut own(greatest));
             let [defined, filled, ..] = sums?;
-            (self.defined, self.filled) = (defined as u32, filled as u32);
-            least = keys?.first().map_or(f32::MAX, |&key| f32::of_key(key));
-            greatest = others?.last().map_or(f32::MIN, |&key| f32::of_key(key));
-        }
-        if greatest > least {
-            self.resolution = greatest * RESOLUTION - least * RESOLUTION;
+            (self.values.defined, self.values.filled) = (defined as u32, filled as u32);
+            let least = keys?.first().map_or(f32::MAX, |&key| f32::of_key(key));
+            let greatest = others?.last().map_or(f32::MIN, |&key| f32::of_key(key));
+            self.span = (least, greatest);
         }
         Some(())
-    }
-}
-
-/// What neighbours in a row reach together.
-#[derive(Clone, Copy)]
-struct Range {
-    least: f32,
-    greatest: f32,
-}
-
-impl Range {
-    /// With the neighbours of a piece of a row.
-    fn with(self, row: &[f32]) -> Range {
-        // Whole numbers with a sign, of which vector units find the least.
-        let rank = |value: f32| (value.key() ^ 1 << 31) as i32;
-        let ends = (rank(self.least), rank(self.greatest));
-        let pairs = row.iter().zip(row.get(1..).unwrap_or(&[]));
-        let (least, greatest) = pairs.fold(ends, |(least, greatest), (&before, &after)| {
-            let (before, after) = (rank(before), rank(after));
-            (least.min(before.max(after)), greatest.max(before.min(after)))
-        });
-        let value = |rank: i32| f32::of_key(rank as u32 ^ 1 << 31);
-        Range { least: value(least), greatest: value(greatest) }
     }
 }
 
@@ -263,27 +326,26 @@ fn is_fill(sorted: &[u32], fill: Run) -> bool {
 }
 
 /// How often one value is followed by itself.
+#[derive(Clone, Copy, Debug)]
 struct Pairs {
     all: usize,
     followed: usize,
 }
 
 impl Pairs {
-    fn count(places: impl Iterator<Item = usize>, width: usize, holds: impl Fn(usize) -> bool) -> Pairs {
-        let mut pairs = Pairs { all: 0, followed: 0 };
+    fn count(&mut self, places: impl Iterator<Item = usize>, width: usize, holds: impl Fn(usize) -> bool) {
         for at in places.filter(|&at| holds(at)) {
-            pairs.all += 1;
-            pairs.followed += usize::from(!(at + 1).is_multiple_of(width.max(1)) && holds(at + 1));
+            self.all += 1;
+            self.followed += usize::from(!(at + 1).is_multiple_of(width.max(1)) && holds(at + 1));
         }
-        pairs
     }
 
-    /// Of a frame of `count` pixels, or of all parts of an image.
-    fn asked(whole: Option<&dyn Whole>, count: usize, width: usize, holds: impl Fn(usize) -> bool) -> Option<Pairs> {
-        let Some(whole) = whole else { return Some(Pairs::count(0..count, width, holds)) };
+    /// Of all parts of an image.
+    fn asked(whole: &dyn Whole, width: usize, holds: impl Fn(usize) -> bool) -> Option<Pairs> {
         let mut own = || {
-            let Pairs { all, followed } = Pairs::count(whole.part().own(width), width, &holds);
-            [all as f64, followed as f64, 0.0, 0.0]
+            let mut pairs = Pairs { all: 0, followed: 0 };
+            pairs.count(whole.part().own(width), width, &holds);
+            [pairs.all as f64, pairs.followed as f64, 0.0, 0.0]
         };
         let [all, followed, ..] = whole.sums(Question::Filling, &mut own)?;
         Some(Pairs { all: all as usize, followed: followed as usize })

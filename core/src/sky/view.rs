@@ -1,12 +1,16 @@
 //! A frame with what is known of it beforehand: which pixels are observations, and maps of sky and noise.
 
 use crate::arithmetic::Level;
+use crate::error::Error;
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
+use crate::plane::raster::{BadPixel, Raster, Sample};
 use crate::plane::sort::Keys;
+use crate::plane::walk::Walk;
 use crate::sky::Values;
 use crate::sky::tail::Tail;
+use crate::sky::values::Look;
 
 /// What is known of the sky beforehand; what is not is measured on the image.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,6 +23,8 @@ pub struct Known<'a> {
     /// Whether `noise` says only which pixels are noisier than others, as weight maps do: it is
     /// then multiplied by one factor, so that it agrees with the noise that is measured.
     pub relative: bool,
+    /// Pixels that are undefined whatever they hold, row by row and along these.
+    pub bad: &'a [BadPixel],
     /// The image that the frame is a part of, which knows what depends on all of it.
     pub whole: Option<&'a dyn Whole>,
 }
@@ -40,13 +46,43 @@ impl Known<'_> {
         Self::value(self.background, at).is_none_or(f32::is_finite)
             && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
     }
+
+    /// Checks that the list of bad pixels is in order.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first that lies before the one before it.
+    pub(crate) fn check_bad(&self) -> Result<(), Error> {
+        let before = |pair: &[BadPixel]| pair.first().map(BadPixel::place) > pair.get(1).map(BadPixel::place);
+        let unordered = self.bad.windows(2).position(before).and_then(|at| self.bad.get(at..)?.first_chunk());
+        let Some(&[before, bad]) = unordered else { return Ok(()) };
+        let (name, value, limit) = match bad.y == before.y {
+            true => ("column of a bad pixel", bad.x, before.x),
+            false => ("row of a bad pixel", bad.y, before.y),
+        };
+        Err(Error::Parameter {
+            name,
+            value: f32::from(value),
+            bound: "at least that of the one before,",
+            limit: f32::from(limit),
+        })
+    }
+
+    /// Whether the pixel is in the list of bad ones. Cost: `log2` of its length.
+    #[inline]
+    fn is_bad(&self, grid: Grid, at: usize) -> bool {
+        if self.bad.is_empty() {
+            return false;
+        }
+        let (x, y) = grid.place(at);
+        self.bad.binary_search_by(|bad| bad.place().cmp(&(y as u16, x as u16))).is_ok()
+    }
 }
 
 /// A frame with what is known of it.
-#[derive(Clone, Copy, Debug)]
-pub struct View<'a> {
-    /// W x H, row-major.
-    pub pixels: &'a [f32],
+#[derive(Debug)]
+pub struct View<'a, P = f32> {
+    /// W x H.
+    pub frame: Raster<'a, P>,
     /// Its shape.
     pub grid: Grid,
     /// Sky and noise that were given.
@@ -55,11 +91,29 @@ pub struct View<'a> {
     pub values: Values,
 }
 
-impl<'a> View<'a> {
+impl<P> Clone for View<'_, P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P> Copy for View<'_, P> {}
+
+impl<'a, P: Sample> View<'a, P> {
     /// Looks at a frame.
-    pub fn of(pixels: &'a [f32], grid: Grid, known: Known<'a>, keys: Keys<'_>) -> View<'a> {
-        let values = Values::asked(known.whole, pixels, grid.width.get(), |at| known.allows(at), keys);
-        View { pixels, grid, known, values: values.unwrap_or(Values::UNKNOWN) }
+    pub fn of(frame: Raster<'a, P>, grid: Grid, known: Known<'a>, keys: Keys<'_>) -> View<'a, P> {
+        let (mut look, mut view) = (Look::NOTHING, View { frame, grid, known, values: Values::UNKNOWN });
+        let _ = view.look(&mut Walk::whole(), &mut look, keys);
+        view
+    }
+
+    /// The same in parts.
+    pub(crate) fn look(&mut self, walk: &mut Walk, look: &mut Look, keys: Keys<'_>) -> Option<()> {
+        let View { frame, grid, known, .. } = *self;
+        let allowed = |at: usize| known.allows(at) && !known.is_bad(grid, at);
+        look.step(walk, known.whole, &frame, allowed, keys)?;
+        self.values = look.values;
+        Some(())
     }
 
     /// Columns and rows of the image that the frame is, or is a part of.
@@ -67,23 +121,26 @@ impl<'a> View<'a> {
         self.known.image((self.grid.width.get(), self.grid.height))
     }
 
-    /// The tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
+    /// Finds the tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
     /// have yet to answer.
     pub(crate) fn tail<L: Level>(
         &self,
-        questions: [Question; 2],
+        walk: &mut Walk,
+        (tail, questions): (&mut Tail<L>, [Question; 2]),
         value: impl Fn(usize) -> L,
         masked: Mask<'_>,
         keys: Keys<'_>,
-    ) -> Tail<L> {
+    ) -> Option<()> {
         let whole = self.known.whole.map(|whole| (whole, questions));
-        Tail::asked(whole, self.grid, value, masked, self.values.piled, keys).unwrap_or(Tail::UNKNOWN)
+        tail.step(walk, (whole, self.grid), value, (masked, self.values.piled), keys)
     }
 
     /// Whether a pixel is an observation that may be used.
     #[inline]
     pub fn is_defined(&self, at: usize) -> bool {
-        self.pixels.get(at).is_some_and(|&pixel| self.values.holds(pixel)) && self.known.allows(at)
+        self.frame.value(at).is_some_and(|pixel| self.values.holds(pixel))
+            && self.known.allows(at)
+            && !self.known.is_bad(self.grid, at)
     }
 
     /// Whether every pixel is defined, of all of the image where this is a part.

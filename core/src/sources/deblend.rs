@@ -1,16 +1,19 @@
 //! Whose light is it: pixels that a source's mirror image does not explain become sources, and
 //! at a border each pixel goes to the source that has the most light there.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
 use crate::plane::crew::Crew;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
-use crate::plane::rows::next_with;
+use crate::plane::rows::{last_with, next_with};
+use crate::plane::walk::Walk;
 use crate::sky::photon::grown;
 use crate::sources::tree::{Count, Noise, Region};
 use crate::sources::typical::Typical;
+use core::ops::Range;
 
 /// A pixel under examination.
 const OPEN: u32 = 1 << 31;
@@ -20,22 +23,18 @@ fn excess<L: Level>(field: Field<'_, L>, centre: (L, L), at: usize) -> L {
     field.at(at) - field.mirrored(centre, at).unwrap_or(L::ZERO)
 }
 
-#[inline]
 fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
 }
 
-#[inline]
 fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
     regions.get((label as usize).wrapping_sub(1))
 }
 
-#[inline]
 fn centre_of<L: Level>(regions: &[Region<L>], label: u32) -> (L, L) {
     region_of(regions, label).map_or((L::ZERO, L::ZERO), |region| region.centre)
 }
 
-#[inline]
 fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
     region_of(regions, label).map_or(L::NOTHING, |region| region.sum)
 }
@@ -111,104 +110,161 @@ pub struct Reopening<'a, L: Level> {
     pub connectivity: Connectivity,
 }
 
+/// How far the search for sources beyond their hosts' light is, part by part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opening<L: Level> {
+    /// The regions.
+    pub count: Count,
+    /// The next pixel.
+    next: usize,
+    /// The host of the group at hand.
+    host: u32,
+    /// Of the other sources beside it the one with the most light; 0 for none.
+    beside: u32,
+    /// Pixels of the group that these two do not explain.
+    unexplained: u32,
+    /// The group as a region.
+    group: Region<L>,
+    /// Whether it becomes one.
+    is_new: bool,
+}
+
+impl<L: Level> Opening<L> {
+    /// Before the first pass.
+    pub const NOTHING: Opening<L> = Opening {
+        count: Count { regions: 0, left_out: 0 },
+        next: 0,
+        host: 0,
+        beside: 0,
+        unexplained: 0,
+        group: Region::BLANK,
+        is_new: false,
+    };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        self.count.code(codec)?;
+        codec.size(&mut self.next)?;
+        for word in [&mut self.host, &mut self.beside, &mut self.unexplained] {
+            codec.word(word)?;
+        }
+        self.group.code(codec)?;
+        codec.flag(&mut self.is_new)
+    }
+}
+
 /// Opens the pixels that neither their host's mirrored light nor that of the frame's typical source
 /// explains, but none of a source that ends in a plateau, and makes each connected
 /// group of them a region that is large enough, also when a second source's light is taken away:
 /// where two large galaxies meet there is the light of both. `queue` is as long as the plane;
-/// regions are added to those that `count` knows.
-pub fn reopen<L: Level>(
+/// regions are added to those that are counted.
+pub(crate) fn reopen<L: Level>(
+    walk: &mut Walk,
+    opening: &mut Opening<L>,
     reopening: &Reopening<'_, L>,
     labels: &mut [u32],
     queue: &mut [u32],
     regions: &mut [Region<L>],
-    count: Count,
-    crew: &impl Crew,
-) -> Count {
+) -> Option<()> {
     let &Reopening { field, typical, noise, excess, least_area, connectivity } = reopening;
-    let Count { regions: mut count, mut left_out } = count;
     let (new, least) = (L::Weight::of(NEW), L::of(excess * noise.least.to_f32()));
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(noise.photon, field.at(at));
-    let (known, band) = (&*regions, (field.grid.width.get() * crew.rows(field.grid)).max(1));
-    crew.each((0..).step_by(band).zip(labels.chunks_mut(band)), |(first, labels): (usize, _)| {
-        let mut next = 0;
-        while let Some(index) = next_with(labels, next, u32::MAX) {
-            next = index + 1;
-            let (Some(label), at) = (labels.get_mut(index), first + index) else { continue };
+    walk.pass(labels.len(), 1, |part| {
+        let mut next = part.start;
+        while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
+            next = at + 1;
+            let label = label_at(labels, at);
+            let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
             // Hosts have no light below 0.
             if field.at(at) > least
-                && let Some(region) = region_of(known, *label).filter(|region| region.plateau <= 0.0)
                 && let Some(mirrored) = field.mirrored(region.centre, at)
                 && field.at(at) > mirrored.scaled(new)
                 && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
                 && field.at(at) > host.scaled(new)
                 && significant(at, host)
+                && let Some(cell) = labels.get_mut(at)
             {
-                *label |= OPEN;
+                *cell |= OPEN;
             }
         }
-    });
-    let mut next = 0;
-    while let Some(first) = next_with(labels, next, OPEN) {
-        next = first + 1;
-        let host = label_at(labels, first) & !OPEN;
-        let (known, beside) =
-            gather((field.grid, connectivity), first, (labels, queue), |label| light_of(regions, label));
-        let group = queue.get(..known).unwrap_or(&[]);
-        let unexplained = {
-            let explained = explained((field, typical), labels, regions, [host, beside]);
-            group.iter().filter(|&&at| significant(at as usize, explained(at as usize))).count()
-        };
-        let brightest = brightest(field, centre_of(regions, host), group);
-        if (unexplained as u32) < least_area || !is_peak(field, noise, brightest.peak as usize) {
-            continue;
-        }
-        if count >= regions.len() {
-            left_out += 1;
-            continue;
-        }
-        add(field, brightest, host, regions, count);
-        count += 1;
-        for &at in group {
-            if let Some(label) = labels.get_mut(at as usize) {
-                *label = count as u32;
+    })?;
+    walk.once(1, || opening.next = 0)?;
+    let mark = walk.mark();
+    while let Some(first) = walk.seek_bits(labels, &mut opening.next, OPEN)? {
+        walk.once(1, || (opening.host, opening.beside) = (label_at(labels, first) & !OPEN, 0))?;
+        let light = |label: u32| light_of(regions, label);
+        let known = gather(walk, opening, (field.grid, connectivity, first), (labels, queue), light)?;
+        let group = |part: Range<usize>| queue.get(part).unwrap_or(&[]);
+        walk.pass(known, 8, |part| {
+            let before = if part.start == 0 { 0 } else { opening.unexplained };
+            let explained = explained((field, typical), labels, regions, [opening.host, opening.beside]);
+            let unexplained = group(part).iter().filter(|&&at| significant(at as usize, explained(at as usize)));
+            opening.unexplained = before.saturating_add(unexplained.count() as u32);
+        })?;
+        walk.pass(known, 2, |part| {
+            if part.start == 0 {
+                opening.group = Region { peak: first as u32, ..Region::BLANK };
             }
-        }
+            opening.group = brightest(field, centre_of(regions, opening.host), opening.group, group(part));
+        })?;
+        walk.once(8, || {
+            let Opening { host, group, count, .. } = opening;
+            let is_source = opening.unexplained >= least_area && is_peak(field, noise, group.peak as usize);
+            opening.is_new = is_source && count.regions < regions.len();
+            if opening.is_new {
+                add(field, *group, *host, regions, count.regions);
+                count.regions += 1;
+            } else if is_source {
+                count.left_out += 1;
+            }
+        })?;
+        walk.pass(if opening.is_new { known } else { 0 }, 1, |part| {
+            for &at in group(part) {
+                if let Some(label) = labels.get_mut(at as usize) {
+                    *label = opening.count.regions as u32;
+                }
+            }
+        })?;
+        opening.next = first + 1;
+        walk.again(mark);
     }
-    Count { regions: count, left_out }
+    Some(())
 }
 
-/// Gives a connected group of open pixels back to its host and lists it in the queue. Gives its
-/// length, and of the other sources beside it the one with the most light; 0 for none.
-fn gather<S: PartialOrd>(
-    (grid, connectivity): (Grid, Connectivity),
-    first: usize,
+/// Gives the connected group of open pixels around the first back to its host and lists it in the queue. Gives its
+/// length, and finds of the other sources beside it the one with the most light.
+fn gather<L: Level>(
+    walk: &mut Walk,
+    opening: &mut Opening<L>,
+    (grid, connectivity, first): (Grid, Connectivity, usize),
     (labels, queue): (&mut [u32], &mut [u32]),
-    light: impl Fn(u32) -> S,
-) -> (usize, u32) {
-    let open = label_at(labels, first);
-    let host = open & !OPEN;
-    let (mut known, mut next, mut beside) = (0, 0, 0);
-    let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
-        if let (Some(label), Some(place)) = (labels.get_mut(at), queue.get_mut(known)) {
-            (*label, *place) = (host, at as u32);
-            known += 1;
+    light: impl Fn(u32) -> L::Sum,
+) -> Option<usize> {
+    let (host, beside) = (opening.host, &mut opening.beside);
+    walk.until(|tally, next| {
+        let known = &mut tally.count;
+        let take = |at: usize, known: &mut usize, labels: &mut [u32], queue: &mut [u32]| {
+            if let (Some(label), Some(place)) = (labels.get_mut(at), queue.get_mut(*known)) {
+                (*label, *place) = (host, at as u32);
+                *known += 1;
+            }
+        };
+        if next == 0 {
+            *known = 0;
+            take(first, known, labels, queue);
         }
-        known
-    };
-    let mut end = take(first, labels, queue);
-    while next < end {
-        let at = queue.get(next).map_or(0, |&at| at as usize);
-        next += 1;
-        for near in grid.touching(at, connectivity.neighbours()) {
+        let Some(&at) = queue.get(next).filter(|_| next < *known) else { return false };
+        for near in grid.touching(at as usize, connectivity.neighbours()) {
             let label = label_at(labels, near);
-            if label == open {
-                end = take(near, labels, queue);
-            } else if label & !OPEN != host && light(label & !OPEN) > light(beside) {
-                beside = label & !OPEN;
+            if label == host | OPEN {
+                take(near, known, labels, queue);
+            } else if label & !OPEN != host && light(label & !OPEN) > light(*beside) {
+                *beside = label & !OPEN;
             }
         }
-    }
-    (end, beside)
+        next + 1 < *known
+    })?;
+    Some(walk.tally.count)
 }
 
 /// The light that a host and a second source have at a pixel: the source beside it or, with none
@@ -234,10 +290,10 @@ fn explained<L: Level>(
     }
 }
 
-/// A group of pixels as a region: the pixel with most light beyond the mirrored host's, and that light in all.
-fn brightest<L: Level>(field: Field<'_, L>, host: (L, L), group: &[u32]) -> Region<L> {
-    let mut found = Region { peak: group.first().copied().unwrap_or(0), ..Region::BLANK };
-    for &at in group {
+/// Adds pixels to a group as a region: the pixel with most light beyond the mirrored host's, and that light in all.
+fn brightest<L: Level>(field: Field<'_, L>, host: (L, L), group: Region<L>, pixels: &[u32]) -> Region<L> {
+    let mut found = group;
+    for &at in pixels {
         let light = excess(field, host, at as usize);
         found.sum = found.sum + light.times(1);
         if light > found.value {
@@ -266,49 +322,82 @@ fn add<L: Level>(field: Field<'_, L>, group: Region<L>, host: u32, regions: &mut
     }
 }
 
+/// How far sources have competed, part by part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contest {
+    /// Whether a pixel has changed its owner in this sweep.
+    has_changed: bool,
+    /// Whether none has in the one before.
+    is_settled: bool,
+}
+
+impl Contest {
+    /// Before the first pass.
+    pub const NOTHING: Contest = Contest { has_changed: false, is_settled: false };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.flag(&mut self.has_changed)?;
+        codec.flag(&mut self.is_settled)
+    }
+}
+
 /// Lets sources compete for the pixels at their borders, forwards and backwards `sweeps` times:
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
 /// `OTHER` times the other's own light. Where that is not known, the pixel stays.
-pub fn compete<L: Level>(
+pub(crate) fn compete<L: Level>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    contest: &mut Contest,
     field: Field<'_, L>,
     labels: &mut [u32],
     regions: &[Region<L>],
     sweeps: u32,
-    crew: &impl Crew,
-) {
-    let pieces = labels.len().div_ceil(PIECE);
+) -> Option<()> {
+    let count = labels.len();
     for sweep in 0..sweeps {
-        let (mut changed, forwards) = (false, sweep % 2 == 0);
-        for piece in 0..pieces {
-            let first = PIECE * if forwards { piece } else { pieces - 1 - piece };
-            let end = labels.len().min(first + PIECE);
-            if crew.wide(Piece { labels, grid: field.grid, first }) {
-                continue;
-            }
-            for index in first..end {
-                let at = if forwards { index } else { end - 1 - (index - first) };
-                let own = label_at(labels, at);
-                let best = if own == 0 { 0 } else { best_for(field, labels, regions, at) };
-                if best != own
-                    && let Some(label) = labels.get_mut(at)
-                {
-                    *label = best;
-                    changed = true;
+        walk.once(1, || {
+            contest.is_settled = sweep > 0 && !contest.has_changed;
+            contest.has_changed = false;
+        })?;
+        walk.pass(if contest.is_settled { 0 } else { count }, 1, |part| {
+            let Contest { has_changed, .. } = contest;
+            let mut piece = |labels: &mut [u32], cells: Range<usize>| {
+                if crew.wide(Piece { labels, grid: field.grid, first: cells.start, length: cells.len() }) {
+                    return;
+                }
+                for index in cells.clone() {
+                    let at = if sweep % 2 == 0 { index } else { cells.end - 1 - (index - cells.start) };
+                    if label_at(labels, at) != 0 {
+                        *has_changed |= changes_owner(field, labels, regions, at);
+                    }
+                }
+            };
+            if sweep % 2 == 0 {
+                let mut next = part.start;
+                while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
+                    next = part.end.min(at + PIECE);
+                    piece(labels, at..next);
+                }
+            } else {
+                let (low, mut end) = (count - part.end, count - part.start);
+                while let Some(at) = last_with(labels.get(low..).unwrap_or(&[]), end - low, u32::MAX) {
+                    let last = low + at + 1;
+                    end = low.max(last.saturating_sub(PIECE));
+                    piece(labels, end..last);
                 }
             }
-        }
-        if !changed {
-            break;
-        }
+        })?;
     }
+    Some(())
 }
 
-/// The source to which a source's pixel belongs.
-fn best_for<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>], at: usize) -> u32 {
-    let mut best = label_at(labels, at);
+/// Gives a pixel to the source that owns it; whether that is another than before.
+fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], at: usize) -> bool {
+    let own = label_at(labels, at);
     if is_alone(labels, field.grid, at) {
-        return best;
+        return false;
     }
+    let mut best = own;
     for near in field.grid.touching(at, 4) {
         let other = label_at(labels, near);
         if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
@@ -320,7 +409,13 @@ fn best_for<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>]
             best = if field.at(at) > host.scaled(L::Weight::of(OTHER)) { faint } else { bright };
         }
     }
-    best
+    match labels.get_mut(at).filter(|_| best != own) {
+        Some(label) => {
+            *label = best;
+            true
+        }
+        None => false,
+    }
 }
 
 /// A piece of the plane, as the question whether no source's pixel of it touches another along an edge; where the plane
@@ -329,6 +424,7 @@ struct Piece<'a> {
     labels: &'a [u32],
     grid: Grid,
     first: usize,
+    length: usize,
 }
 
 impl Task for Piece<'_> {
@@ -336,7 +432,10 @@ impl Task for Piece<'_> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        let Piece { labels, grid, first } = self;
+        let Piece { labels, grid, first, length } = self;
+        if length < PIECE {
+            return false;
+        }
         let piece = |first: Option<usize>| labels.get(first?..)?.first_chunk::<PIECE>();
         let Some(own) = piece(Some(first)) else { return false };
         if own.iter().fold(0, |any, label| any | label) == 0 {
@@ -366,20 +465,35 @@ fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
 
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
 /// pixels around it have. `old` has room for two rows; in less than three rows no pixel has six neighbours of another.
-pub fn straighten(labels: &mut [u32], old: &mut [u32], grid: Grid, steps: u32, crew: &impl Crew) {
+pub(crate) fn straighten(
+    (walk, crew): (&mut Walk, &impl Crew),
+    labels: &mut [u32],
+    old: &mut [u32],
+    grid: Grid,
+    steps: u32,
+) -> Option<()> {
     let width = grid.width.get();
+    for _ in 0..steps {
+        walk.pass(grid.height, width, |rows| straighten_rows(rows, labels, old, width, crew))?;
+    }
+    Some(())
+}
+
+/// Straightens some rows that go on where others ended.
+fn straighten_rows(rows: Range<usize>, labels: &mut [u32], old: &mut [u32], width: usize, crew: &impl Crew) {
     let Some((mut below, rest)) = old.split_at_mut_checked(width) else { return };
     let Some(mut own) = rest.get_mut(..width) else { return };
-    for _ in 0..steps {
-        let mut rest = &mut *labels;
-        for y in 0..grid.height {
-            let Some((row, above)) = rest.split_at_mut_checked(width) else { break };
-            own.iter_mut().zip(row.iter()).for_each(|(own, label)| *own = *label);
-            if let (true, Some(above)) = (y > 0, above.get(..width)) {
-                crew.wide(Row { labels: row, old: [below, own, above] });
-            }
-            (below, own, rest) = (own, below, above);
+    if rows.start % 2 == 1 {
+        (below, own) = (own, below);
+    }
+    let mut rest = labels.get_mut(rows.start * width..).unwrap_or(&mut []);
+    for y in rows {
+        let Some((row, above)) = rest.split_at_mut_checked(width) else { break };
+        own.iter_mut().zip(row.iter()).for_each(|(own, label)| *own = *label);
+        if let (true, Some(above)) = (y > 0, above.get(..width)) {
+            crew.wide(Row { labels: row, old: [below, own, above] });
         }
+        (below, own, rest) = (own, below, above);
     }
 }
 
@@ -476,7 +590,6 @@ fn straighter([below, own, above]: [[u32; 3]; 3]) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::arithmetic::Fixed14;
-    use crate::plane::crew::Alone;
 
     extern crate std;
     use std::vec::Vec;
@@ -504,8 +617,9 @@ mod tests {
             least_area: 4,
             connectivity: Connectivity::Eight,
         };
-        let count = Count { regions: 1, left_out: 0 };
-        reopen(&reopening, &mut labels, &mut queue, &mut regions, count, &Alone).regions - 1
+        let mut opening = Opening { count: Count { regions: 1, left_out: 0 }, ..Opening::NOTHING };
+        let _ = reopen(&mut Walk::whole(), &mut opening, &reopening, &mut labels, &mut queue, &mut regions);
+        opening.count.regions - 1
     }
 
     #[test]

@@ -4,11 +4,12 @@
 //! from the rest. The piece with its peak stays, or a much larger one; the others go to the sources that they lie on.
 
 use crate::arithmetic::Level;
+use crate::arithmetic::codec::Codec;
 use crate::config::Connectivity;
 use crate::plane::grid::Grid;
-use crate::plane::rows::{next_with, used};
+use crate::plane::rows::used_in;
+use crate::plane::walk::Walk;
 use crate::sources::tree::Region;
-use core::ops::Range;
 
 /// A pixel of a piece that is not, or not yet, the one that stays.
 const LOOSE: u32 = 1 << 31;
@@ -19,9 +20,39 @@ const WHOLE: u32 = u32::MAX;
 /// How often loose pieces ask their neighbours: one may lie within others.
 const ROUNDS: u32 = 4;
 
-#[inline]
 fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
+}
+
+/// How far the pieces are, part by part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joining {
+    /// The next region or pixel.
+    next: usize,
+    /// What the piece at hand was before.
+    label: u32,
+    /// The pixels of a source.
+    pixels: u32,
+    /// The source that a piece touches most so far, and how often.
+    owner: (u32, u32),
+}
+
+impl Joining {
+    /// Before the first pass.
+    pub const NOTHING: Joining = Joining { next: 0, label: 0, pixels: 0, owner: (0, 0) };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.size(&mut self.next)?;
+        for word in [&mut self.label, &mut self.pixels, &mut self.owner.0, &mut self.owner.1] {
+            codec.word(word)?;
+        }
+        Ok(())
+    }
+}
+
+fn index(label: u32) -> usize {
+    (label as usize).wrapping_sub(1)
 }
 
 /// Leaves of every source one piece, connected also by corners: that with its peak, if the source still
@@ -29,158 +60,173 @@ fn label_at(labels: &[u32], at: usize) -> u32 {
 /// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` is
 /// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: four looks at each
 /// pixel and its neighbours.
-pub fn connect<L: Level>(grid: Grid, labels: &mut [u32], queue: &mut [u32], regions: &mut [Region<L>]) {
-    for region in regions.iter_mut() {
-        region.area = 0;
-    }
-    for (_, label) in used(labels) {
-        if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)) {
-            region.area += 1;
-        }
-    }
-    for (label, region) in (1..).zip(regions.iter_mut()) {
-        let (peak, pixels) = (region.peak as usize, region.area);
-        region.area = 0;
-        if label_at(labels, peak) == label {
-            let area = flood(grid, peak, label | LOOSE, labels, queue) as u32;
-            region.area = area.saturating_mul(PEAK);
-            if area == pixels {
-                // It is one piece.
-                region.area = WHOLE;
-                flood(grid, peak, label, labels, queue);
-            }
-        }
-    }
-    let mut next = 0;
-    while let Some(first) = next_with(labels, next, u32::MAX) {
-        next = first + 1;
-        let label = label_at(labels, first);
-        if let Some(region) = regions.get_mut((label as usize).wrapping_sub(1)).filter(|region| region.area != WHOLE) {
-            let area = flood(grid, first, label | LOOSE, labels, queue) as u32;
-            if area > region.area {
-                (region.area, region.peak) = (area, first as u32);
-            }
-        }
-    }
-    for (label, region) in (1..).zip(regions.iter()).filter(|(_, region)| region.area > 0 && region.area != WHOLE) {
-        flood(grid, region.peak as usize, label, labels, queue);
-    }
-    for region in regions.iter_mut() {
-        region.area = 0;
-    }
-    for round in 1..=ROUNDS {
-        let mut next = 0;
-        while let Some(first) = next_with(labels, next, LOOSE) {
-            next = first + 1;
-            let loose = label_at(labels, first);
-            let count = relabel((grid, Connectivity::Eight), first, 0, labels, queue);
-            let piece = queue.get(..count).unwrap_or(&[]);
-            let owner = owner(grid, piece, labels, regions);
-            let label = if owner == 0 && round < ROUNDS { loose } else { owner };
-            for &at in piece {
-                set(labels, at as usize, label);
-            }
-        }
-    }
-}
-
-/// Gives the pixels that have the label of the first one, and are connected with it also by corners, another label that
-/// none beside them has, and gives their number: as [`relabel`], but run by run in their rows.
-fn flood(grid: Grid, first: usize, to: u32, labels: &mut [u32], queue: &mut [u32]) -> usize {
-    let (from, width) = (label_at(labels, first), grid.width.get());
-    let (mut next, mut known, mut count) = (0, 0, 0);
-    // Takes the run around a pixel, queues it and gives its end.
-    let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
-        let start = at - at % grid.width;
-        let is_other = |label: &u32| *label != from;
-        let before =
-            labels.get(start..at).and_then(|row| row.iter().rposition(is_other)).map_or(start, |x| start + x + 1);
-        let behind = labels.get(at..start + width).and_then(|row| row.iter().position(is_other));
-        let end = behind.map_or(start + width, |x| at + x);
-        if let (Some(run), Some(place)) = (labels.get_mut(before..end), queue.get_mut(known)) {
-            run.fill(to);
-            *place = before as u32;
-            (known, count) = (known + 1, count + run.len());
-        }
-        (known, count, end)
-    };
-    let (mut end, mut area, _) = take(first, labels, queue);
-    while next < end {
-        let at = queue.get(next).map_or(0, |&at| at as usize);
-        next += 1;
-        let row = labels.get(at..at - at % grid.width + width).unwrap_or(&[]);
-        let length = row.iter().position(|label| *label != to).unwrap_or(row.len());
-        let (x, y) = grid.place(at);
-        let (left, right) = (at - usize::from(x > 0), at + length + usize::from(x + length < width));
-        let rows =
-            [(y > 0).then(|| left - width..right - width), (y + 1 < grid.height).then(|| left + width..right + width)];
-        for Range { start, end: last } in rows.into_iter().flatten() {
-            let mut near = start;
-            while near < last {
-                let mut behind = near + 1;
-                if label_at(labels, near) == from {
-                    (end, area, behind) = take(near, labels, queue);
-                }
-                near = behind;
-            }
-        }
-    }
-    area
-}
-
-/// Gives the connected pixels that have the label of the first one another, not 0 instead of 0; lists them in
-/// the queue and gives their number.
-pub fn relabel(
-    (grid, connectivity): (Grid, Connectivity),
-    first: usize,
-    to: u32,
+pub(crate) fn connect<L: Level>(
+    walk: &mut Walk,
+    joining: &mut Joining,
+    grid: Grid,
     labels: &mut [u32],
     queue: &mut [u32],
-) -> usize {
-    let from = label_at(labels, first);
-    let (mut next, mut end) = (0, 0);
-    let mut take = |at: usize, labels: &mut [u32], queue: &mut [u32]| {
-        if let Some(place) = queue.get_mut(end).filter(|_| label_at(labels, at) == from) {
-            *place = at as u32;
-            set(labels, at, to);
-            end += 1;
-        }
-        end
-    };
-    let mut known = take(first, labels, queue);
-    while next < known {
-        let at = queue.get(next).map_or(0, |&at| at as usize);
-        next += 1;
-        for near in grid.touching(at, connectivity.neighbours()) {
-            known = take(near, labels, queue);
-        }
-    }
-    known
-}
-
-/// The settled source that a piece touches most, of equals the one that is met first; 0 for none.
-/// `area` of the regions counts the pairs of pixels, from 0 and back to it.
-fn owner<L: Level>(grid: Grid, piece: &[u32], labels: &[u32], regions: &mut [Region<L>]) -> u32 {
-    let across = |at: &u32| grid.neighbours(*at as usize).map(|near| label_at(labels, near));
-    let index = |label: u32| (label as usize).wrapping_sub(1);
-    for label in piece.iter().flat_map(across) {
-        if let Some(region) = regions.get_mut(index(label)) {
-            region.area = region.area.saturating_add(1);
-        }
-    }
-    let (mut owner, mut most) = (0, 0);
-    for label in piece.iter().flat_map(across) {
-        if let Some(region) = regions.get_mut(index(label)) {
-            if region.area > most {
-                (owner, most) = (label, region.area);
+    regions: &mut [Region<L>],
+) -> Option<()> {
+    let corners = (grid, Connectivity::Eight);
+    walk.pass(regions.len(), 1, |part| reset_areas(regions.get_mut(part)))?;
+    walk.pass(labels.len(), 1, |part| {
+        for (_, label) in used_in(labels, part) {
+            if let Some(region) = regions.get_mut(index(label)) {
+                region.area += 1;
             }
-            region.area = 0;
         }
+    })?;
+    walk.once(1, || joining.next = 0)?;
+    let mark = walk.mark();
+    while let Some(at) = walk.each(regions.len(), &mut joining.next)? {
+        let (label, peak) = (at as u32 + 1, regions.get(at).map_or(0, |region| region.peak as usize));
+        walk.once(1, || {
+            joining.label = label_at(labels, peak);
+            joining.pixels = regions.get(at).map_or(0, |region| region.area);
+            reset_areas(regions.get_mut(at..at + 1));
+        })?;
+        if joining.label == label {
+            let area = relabel(walk, corners, (peak, [label, label | LOOSE]), labels, queue)?;
+            let is_one = area as u32 == joining.pixels;
+            walk.once(1, || {
+                if let Some(region) = regions.get_mut(at) {
+                    region.area = if is_one { WHOLE } else { (area as u32).saturating_mul(PEAK) };
+                }
+            })?;
+            let area = if is_one { area } else { 0 };
+            walk.pass(area, 1, |part| set_all(labels, queue.get(part), label))?;
+        }
+        joining.next = at + 1;
+        walk.again(mark);
     }
-    owner
+    find_largest(walk, joining, grid, labels, queue, regions)?;
+    walk.once(1, || joining.next = 0)?;
+    let mark = walk.mark();
+    while let Some(at) = walk.each(regions.len(), &mut joining.next)? {
+        let (label, largest) = (at as u32 + 1, regions.get(at).filter(|region| ![0, WHOLE].contains(&region.area)));
+        if let Some(region) = largest {
+            relabel(walk, corners, (region.peak as usize, [label | LOOSE, label]), labels, queue)?;
+        }
+        joining.next = at + 1;
+        walk.again(mark);
+    }
+    walk.pass(regions.len(), 1, |part| reset_areas(regions.get_mut(part)))?;
+    for round in 1..=ROUNDS {
+        give_away(walk, joining, (grid, round < ROUNDS), labels, queue, regions)?;
+    }
+    Some(())
 }
 
-#[inline]
+fn reset_areas<L: Level>(regions: Option<&mut [Region<L>]>) {
+    regions.unwrap_or(&mut []).iter_mut().for_each(|region| region.area = 0);
+}
+
+fn set_all(labels: &mut [u32], pixels: Option<&[u32]>, label: u32) {
+    pixels.unwrap_or(&[]).iter().for_each(|&at| set(labels, at as usize, label));
+}
+
+/// Marks the pieces of sources of more than one as loose, and remembers of each source the largest.
+fn find_largest<L: Level>(
+    walk: &mut Walk,
+    joining: &mut Joining,
+    grid: Grid,
+    labels: &mut [u32],
+    queue: &mut [u32],
+    regions: &mut [Region<L>],
+) -> Option<()> {
+    walk.once(1, || joining.next = 0)?;
+    let mark = walk.mark();
+    loop {
+        let is_open = |&(_, label): &(usize, u32)| regions.get(index(label)).is_some_and(|region| region.area != WHOLE);
+        let find = |range| used_in(labels, range).find(is_open).map(|(at, _)| at);
+        let Some(first) = walk.seek(labels.len(), &mut joining.next, find)? else { return Some(()) };
+        walk.once(1, || joining.label = label_at(labels, first))?;
+        let label = joining.label;
+        let area = relabel(walk, (grid, Connectivity::Eight), (first, [label, label | LOOSE]), labels, queue)? as u32;
+        walk.once(1, || {
+            if let Some(region) = regions.get_mut(index(label)).filter(|region| area > region.area) {
+                (region.area, region.peak) = (area, first as u32);
+            }
+        })?;
+        joining.next = first + 1;
+        walk.again(mark);
+    }
+}
+
+/// Gives loose pieces to the settled source that they touch most, of equals the one that is met first. What touches
+/// none stays loose where it `may_wait`. `area` of the regions counts the pairs of pixels, from 0 and back to it.
+fn give_away<L: Level>(
+    walk: &mut Walk,
+    joining: &mut Joining,
+    (grid, may_wait): (Grid, bool),
+    labels: &mut [u32],
+    queue: &mut [u32],
+    regions: &mut [Region<L>],
+) -> Option<()> {
+    walk.once(1, || joining.next = 0)?;
+    let mark = walk.mark();
+    while let Some(first) = walk.seek_bits(labels, &mut joining.next, LOOSE)? {
+        walk.once(1, || (joining.label, joining.owner) = (label_at(labels, first), (0, 0)))?;
+        let loose = joining.label;
+        let count = relabel(walk, (grid, Connectivity::Eight), (first, [loose, 0]), labels, queue)?;
+        let across = |&at: &u32| grid.neighbours(at as usize).map(|near| label_at(labels, near));
+        walk.pass(count, 1, |part| {
+            for label in queue.get(part).unwrap_or(&[]).iter().flat_map(across) {
+                if let Some(region) = regions.get_mut(index(label)) {
+                    region.area = region.area.saturating_add(1);
+                }
+            }
+        })?;
+        walk.pass(count, 1, |part| {
+            for label in queue.get(part).unwrap_or(&[]).iter().flat_map(across) {
+                if let Some(region) = regions.get_mut(index(label)) {
+                    if region.area > joining.owner.1 {
+                        joining.owner = (label, region.area);
+                    }
+                    region.area = 0;
+                }
+            }
+        })?;
+        let (owner, _) = joining.owner;
+        let label = if owner == 0 && may_wait { loose } else { owner };
+        walk.pass(count, 1, |part| set_all(labels, queue.get(part), label))?;
+        joining.next = first + 1;
+        walk.again(mark);
+    }
+    Some(())
+}
+
+/// Gives the connected pixels around the first that have a label another; lists them in the queue and gives their number.
+pub(crate) fn relabel(
+    walk: &mut Walk,
+    (grid, connectivity): (Grid, Connectivity),
+    (first, [from, to]): (usize, [u32; 2]),
+    labels: &mut [u32],
+    queue: &mut [u32],
+) -> Option<usize> {
+    walk.until(|tally, next| {
+        let known = &mut tally.count;
+        let mut take = |at: usize, known: &mut usize, queue: &mut [u32]| {
+            if let Some(place) = queue.get_mut(*known).filter(|_| label_at(labels, at) == from) {
+                *place = at as u32;
+                set(labels, at, to);
+                *known += 1;
+            }
+        };
+        if next == 0 {
+            *known = 0;
+            take(first, known, queue);
+        }
+        if let Some(&at) = queue.get(next).filter(|_| next < *known) {
+            let near = grid.touching(at as usize, connectivity.neighbours());
+            near.for_each(|near| take(near, known, queue));
+        }
+        next + 1 < *known
+    })?;
+    Some(walk.tally.count)
+}
+
 fn set(labels: &mut [u32], at: usize, label: u32) {
     if let Some(cell) = labels.get_mut(at) {
         *cell = label;
@@ -201,7 +247,9 @@ mod tests {
         let digits = picture.iter().flat_map(|row| row.bytes()).map(|digit| u32::from(digit - b'0'));
         labels.iter_mut().zip(digits).for_each(|(label, digit)| *label = digit);
         let grid = Grid::of(CELLS * WIDTH, WIDTH).expect("there are columns");
-        connect(grid, &mut labels[..CELLS * WIDTH], &mut [0; 64], &mut regions);
+        let labels_of_rows = &mut labels[..CELLS * WIDTH];
+        let _ =
+            connect(&mut Walk::whole(), &mut { Joining::NOTHING }, grid, labels_of_rows, &mut [0; 64], &mut regions);
         core::array::from_fn(|y| core::array::from_fn(|x| b'0' + labels[y * WIDTH + x] as u8))
     }
 
@@ -224,28 +272,6 @@ mod tests {
         becomes(picture, 22, ["22222001", "22222011", "22222110", "22222330"]);
         let picture = ["11222000", "11222000", "11122010", "11122010"];
         becomes(picture, 22, ["11222000", "11222000", "11122000", "11122000"]);
-    }
-
-    #[test]
-    fn a_flood_reaches_what_is_connected() {
-        let (mut state, width) = (1u32, 23);
-        let grid = Grid::of(31 * width, width).expect("there are columns");
-        for percent in [10, 35, 45, 60, 90, 100] {
-            let mut draw = || {
-                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                if (state >> 8) % 100 < percent { 1 } else { 2 }
-            };
-            let mut flooded: [u32; 31 * 23] = core::array::from_fn(|_| draw());
-            let (mut expected, mut queue) = (flooded, [0; 31 * 23]);
-            for first in [0, 17, 350, 712] {
-                let from = label_at(&flooded, first);
-                if from & LOOSE == 0 {
-                    let count = relabel((grid, Connectivity::Eight), first, from | LOOSE, &mut expected, &mut queue);
-                    assert_eq!(flood(grid, first, from | LOOSE, &mut flooded, &mut queue), count, "{percent} %");
-                }
-                assert_eq!(flooded, expected, "{percent} %, from {first}");
-            }
-        }
     }
 
     #[test]

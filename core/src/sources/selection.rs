@@ -1,15 +1,19 @@
 //! Which regions are sources: by area, or by their significance in an image matched to their size.
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Select, Separate, narrow_area, part_area};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
-use crate::plane::rows::{next_with, used};
+use crate::plane::raster::Sample;
+use crate::plane::rows::{next_with, rows_of, rows_of_mut, used_in};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
-use crate::sky::view::View;
+use crate::plane::walk::Walk;
+use crate::sky::tail::Tail;
+use crate::sky::view::{Known, View};
 use crate::sources::significance::height;
 use crate::sources::tree::Region;
 
@@ -28,6 +32,12 @@ const NARROW_SHARPENING: f32 = 3.0;
 const STANDS_OUT: f32 = 1.2;
 /// It needs this part of the smallest peak and light.
 const LENIENCY: f32 = 0.5;
+/// The noise of the matched image where that of every pixel is 1 and its own.
+const WHITE: f32 = 0.219_635;
+/// The same of the narrow image.
+const NARROW_WHITE: f32 = 0.519_534;
+/// So many deviations of the noise that the caller knows of, and the frame does not have, could take light away.
+const UNSEEN: f32 = 2.0;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
 const CUTS: u32 = 4;
 
@@ -58,14 +68,38 @@ pub struct Cut {
     /// In the noise of the image; 0 where none is asked for.
     pub significance: f32,
     /// The noise of the matched image.
-    pub noise: f32,
+    matched: Noise,
     /// The noise of the narrow image.
-    pub narrow_noise: f32,
+    narrow: Noise,
 }
 
 impl Cut {
     /// Every peak will do.
-    pub const NONE: Cut = Cut { significance: 0.0, noise: 1.0, narrow_noise: 1.0 };
+    pub const NONE: Cut = Cut { significance: 0.0, matched: Noise::ONE, narrow: Noise::ONE };
+}
+
+/// The noise of an image in which peaks are sought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Noise {
+    /// What is measured, or what the given noise of the pixels would make of it where that is more.
+    size: f32,
+    /// How much less is measured.
+    unseen: f32,
+}
+
+impl Noise {
+    const ONE: Noise = Noise { size: 1.0, unseen: 0.0 };
+
+    /// Noise as measured in an image to which independent pixels of noise 1 bring `white`.
+    fn of(measured: f32, white: f32, known: Known<'_>) -> Noise {
+        let white = if known.noise.is_some() && !known.relative { white } else { 0.0 };
+        Noise { size: measured.greatest(white), unseen: (white - measured).positive() }
+    }
+
+    /// How many times `height` noise units a value is.
+    fn times(&self, value: f32, height: f32) -> f32 {
+        if self.size > 0.0 { (value - UNSEEN * self.unseen) / (height * self.size) } else { f32::MAX }
+    }
 }
 
 /// Sources that are kept.
@@ -77,62 +111,134 @@ pub struct Kept {
     pub pixels: u32,
 }
 
+/// What the cut is found by, part by part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cutting<L> {
+    /// The noise of the narrow image.
+    pub narrow: Tail<L>,
+    /// That of the matched image.
+    pub matched: Tail<L>,
+    /// That of the steps in it.
+    pub slope: Tail<L>,
+    /// Sources that may be false.
+    pub allowed: f32,
+    /// The cut.
+    pub cut: Cut,
+}
+
+impl<L: Level> Cutting<L> {
+    /// Nothing is known.
+    pub const NOTHING: Cutting<L> =
+        Cutting { narrow: Tail::UNKNOWN, matched: Tail::UNKNOWN, slope: Tail::UNKNOWN, allowed: 0.0, cut: Cut::NONE };
+
+    /// The list of fields, out or in.
+    pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        for tail in [&mut self.narrow, &mut self.matched, &mut self.slope] {
+            tail.code(codec)?;
+        }
+        let Cut { significance, matched, narrow } = &mut self.cut;
+        for real in [&mut self.allowed, significance] {
+            codec.real(real)?;
+        }
+        for Noise { size, unseen } in [matched, narrow] {
+            codec.real(size)?;
+            codec.real(unseen)?;
+        }
+        Ok(())
+    }
+}
+
 /// Measures every region, and finds the cut on the peak in the matched image. Means nothing while other parts of the
 /// image have yet to answer.
-pub fn cut<L: Level>(view: &View<'_>, config: &Config, work: &mut Planes<'_, L>, crew: &impl Crew) -> Cut {
-    let grid = view.grid;
-    Weights::gauss(MATCHED).apply(work.signal, work.rows, work.matched, grid, crew);
-    let narrow_noise = measure_narrow(view, work, crew);
-    Weights::gauss(WIDE).sharpen(work.matched, work.rows, grid, SHARPENING, crew);
-    measure(work);
+pub(crate) fn cut<L: Level, P: Sample>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    cutting: &mut Cutting<L>,
+    view: &View<'_, P>,
+    config: &Config,
+    work: &mut Planes<'_, L>,
+) -> Option<()> {
+    let (grid, width) = (view.grid, view.grid.width.get());
+    walk.pass(grid.height, 2 * width, |rows| {
+        Weights::gauss(MATCHED).apply_rows(rows, work.signal, work.rows, work.matched, grid, crew);
+    })?;
+    measure_narrow((walk, crew), &mut cutting.narrow, view, work)?;
+    walk.pass(grid.height, 2 * width, |rows| {
+        Weights::gauss(WIDE).sharpen_rows(rows, work.matched, work.rows, grid, SHARPENING, crew);
+    })?;
+    measure(walk, work)?;
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Matched, Question::MatchedPowers];
-    let tail = view.tail(questions, matched, work.masked, work.keys.again());
-    let noise = tail.noise.to_f32();
+    view.tail(walk, (&mut cutting.matched, questions), matched, work.masked, work.keys.again())?;
     // The last of a row has no next one: its step is back.
     let next = |at: usize| if (at + 1).is_multiple_of(grid.width.get()) { at.wrapping_sub(1) } else { at + 1 };
     let step = |at: usize| matched(next(at)) - matched(at);
     let questions = [Question::Slope, Question::SlopePowers];
-    let slope = view.tail(questions, step, work.masked, work.keys.again()).noise.to_f32();
+    view.tail(walk, (&mut cutting.slope, questions), step, work.masked, work.keys.again())?;
+    let Cutting { narrow, matched: tail, slope, allowed, cut } = cutting;
+    let [noise, narrow_noise, slope] = [tail.noise, narrow.noise, slope.noise].map(L::to_f32);
+    let matched = Noise::of(noise, WHITE, view.known);
+    let narrow = Noise::of(narrow_noise, NARROW_WHITE, view.known);
     let roughness = if noise > 0.0 { slope / noise } else { 0.0 };
     let (columns, rows) = view.image();
     let elements = (columns * rows) as f32 * roughness * roughness;
-    let mut cut = Cut { significance: 0.0, noise, narrow_noise };
+    walk.once(1, || {
+        *cut = Cut { significance: 0.0, matched, narrow };
+        *allowed = config.significance.false_sources;
+    })?;
     // What reaches how far can only be told in the noise of all parts.
     if view.known.whole.is_some_and(Whole::is_waiting) {
-        return cut;
+        return Some(());
     }
-    let reaches = view.known.whole.map(|whole| reaches(whole, grid, config, cut, work));
-    let mut allowed = config.significance.false_sources;
+    let reaches = view.known.whole.map(|whole| reaches(whole, grid, config, *cut, work));
     for _ in 0..CUTS {
-        cut.significance = tail.raised(height(elements, allowed));
+        walk.once(8, || cut.significance = tail.raised(height(elements, *allowed)))?;
+        let own = if reaches.is_none() { work.regions.len() } else { 0 };
+        walk.tally(own, 1, |tally, part| {
+            let before = if part.start == 0 { 0 } else { tally.count };
+            let some = work.regions.get(part).unwrap_or(&[]).iter();
+            tally.count = before + some.filter(|region| is_source(region, config, *cut)).count();
+        })?;
         let kept = match reaches {
-            None => work.regions.iter().filter(|region| is_source(region, config, cut)).count(),
+            None => walk.tally.count,
             Some(reaches) => reaches.len() - reaches.partition_point(|&key| key < Level::key(cut.significance)),
         };
-        let share = config.significance.false_share * kept as f32;
-        allowed = if share > allowed { share } else { allowed };
+        walk.once(1, || {
+            let share = config.significance.false_share * kept as f32;
+            *allowed = if share > *allowed { share } else { *allowed };
+        })?;
     }
-    cut
+    Some(())
 }
 
 /// The peak of every region in the narrow image, and the noise of that, from the matched image before it is sharpened.
-fn measure_narrow<L: Level>(view: &View<'_>, work: &mut Planes<'_, L>, crew: &impl Crew) -> f32 {
-    let grid = view.grid;
-    work.narrow.iter_mut().zip(work.matched.iter()).for_each(|(narrow, matched)| *narrow = *matched);
-    Weights::gauss(NARROW_WIDE).sharpen(work.narrow, work.rows, grid, NARROW_SHARPENING, crew);
-    for region in work.regions.iter_mut() {
-        region.offsets = (0.0, 0.0);
-    }
-    for (at, label) in used(work.labels) {
-        let region = work.regions.get_mut((label as usize).wrapping_sub(1));
-        if let (Some(region), Some(&narrow)) = (region, work.narrow.get(at)) {
-            region.offsets.0 = region.offsets.0.greatest(narrow.to_f32());
+fn measure_narrow<L: Level, P: Sample>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    noise: &mut Tail<L>,
+    view: &View<'_, P>,
+    work: &mut Planes<'_, L>,
+) -> Option<()> {
+    let (grid, width) = (view.grid, view.grid.width.get());
+    walk.pass(grid.height, width, |rows| {
+        let matched = rows_of(work.matched, &rows, width);
+        rows_of_mut(work.narrow, &rows, width).iter_mut().zip(matched).for_each(|(narrow, matched)| *narrow = *matched);
+    })?;
+    walk.pass(grid.height, 2 * width, |rows| {
+        Weights::gauss(NARROW_WIDE).sharpen_rows(rows, work.narrow, work.rows, grid, NARROW_SHARPENING, crew);
+    })?;
+    walk.pass(work.regions.len(), 1, |part| {
+        work.regions.get_mut(part).unwrap_or(&mut []).iter_mut().for_each(|region| region.offsets = (0.0, 0.0));
+    })?;
+    walk.pass(work.labels.len(), 1, |part| {
+        for (at, label) in used_in(work.labels, part) {
+            let region = work.regions.get_mut((label as usize).wrapping_sub(1));
+            if let (Some(region), Some(&narrow)) = (region, work.narrow.get(at)) {
+                region.offsets.0 = region.offsets.0.greatest(narrow.to_f32());
+            }
         }
-    }
+    })?;
     let narrow = |at: usize| work.narrow.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Narrow, Question::NarrowPowers];
-    view.tail(questions, narrow, work.masked, work.keys.again()).noise.to_f32()
+    view.tail(walk, (noise, questions), narrow, work.masked, work.keys.again())
 }
 
 /// How far up in significance what may be a source in any part of an image is one: sorted keys. Each is told by the part
@@ -163,21 +269,25 @@ fn reaches<'w, L: Level>(
 }
 
 /// Area, light and matched peak of every region, from its pixels.
-pub fn measure<L: Level>(work: &mut Planes<'_, L>) {
-    for region in work.regions.iter_mut() {
-        (region.area, region.sum, region.value, region.label) = (0, L::NOTHING, L::ZERO, 0);
-    }
-    for (at, label) in used(work.labels) {
-        let (matched, signal) = (work.matched.get(at), work.signal.get(at));
-        let region = work.regions.get_mut((label as usize).wrapping_sub(1));
-        if let (Some(region), Some(&matched), Some(&signal)) = (region, matched, signal) {
-            region.area += 1;
-            region.sum = region.sum + signal.times(1);
-            if matched > region.value {
-                region.value = matched;
+pub(crate) fn measure<L: Level>(walk: &mut Walk, work: &mut Planes<'_, L>) -> Option<()> {
+    walk.pass(work.regions.len(), 1, |part| {
+        for region in work.regions.get_mut(part).unwrap_or(&mut []) {
+            (region.area, region.sum, region.value, region.label) = (0, L::NOTHING, L::ZERO, 0);
+        }
+    })?;
+    walk.pass(work.labels.len(), 1, |part| {
+        for (at, label) in used_in(work.labels, part) {
+            let (matched, signal) = (work.matched.get(at), work.signal.get(at));
+            let region = work.regions.get_mut((label as usize).wrapping_sub(1));
+            if let (Some(region), Some(&matched), Some(&signal)) = (region, matched, signal) {
+                region.area += 1;
+                region.sum = region.sum + signal.times(1);
+                if matched > region.value {
+                    region.value = matched;
+                }
             }
         }
-    }
+    })
 }
 
 /// Whether a region is a source at a cut.
@@ -199,9 +309,8 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
             && region.value >= L::of(part * peak)
             && region.sum >= L::share(L::ONE.times(1), part * light)
     };
-    let over = |value: f32, noise: f32| if noise > 0.0 { value / noise } else { f32::MAX };
-    let matched = over(region.value.to_f32(), cut.noise);
-    let narrow = over(region.offsets.0, STANDS_OUT * cut.narrow_noise);
+    let matched = cut.matched.times(region.value.to_f32(), 1.0);
+    let narrow = cut.narrow.times(region.offsets.0, STANDS_OUT);
     if enough(1.0, least_area) {
         matched
     } else if !divided && enough(LENIENCY, narrow_area(config.min_area)) {
@@ -212,19 +321,70 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
 }
 
 /// Drops what is no source and numbers the rest in raster order.
-pub fn keep<L: Level>(config: &Config, cut: Cut, labels: &mut [u32], regions: &mut [Region<L>]) -> Kept {
-    let mut kept = Kept::default();
-    let mut next = 0;
-    while let Some(at) = next_with(labels, next, u32::MAX) {
-        next = at + 1;
-        let Some(label) = labels.get_mut(at) else { break };
-        let Some(region) = regions.get_mut((*label as usize).wrapping_sub(1)) else { continue };
-        if region.label == 0 && is_source(region, config, cut) {
-            kept.sources += 1;
-            region.label = kept.sources;
+pub(crate) fn keep<L: Level>(
+    walk: &mut Walk,
+    kept: &mut Kept,
+    (config, cut): (&Config, Cut),
+    labels: &mut [u32],
+    regions: &mut [Region<L>],
+) -> Option<()> {
+    walk.pass(labels.len(), 1, |part| {
+        let mut next = part.start;
+        while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
+            next = at + 1;
+            let Some(label) = labels.get_mut(at) else { break };
+            let Some(region) = regions.get_mut((*label as usize).wrapping_sub(1)) else { continue };
+            if region.label == 0 && is_source(region, config, cut) {
+                kept.sources += 1;
+                region.label = kept.sources;
+            }
+            *label = region.label;
+            kept.pixels += u32::from(*label != 0);
         }
-        *label = region.label;
-        kept.pixels += u32::from(*label != 0);
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plane::crew::Alone;
+    use crate::plane::smooth::ROOM_ROWS;
+
+    extern crate std;
+
+    /// The noise that independent pixels of noise 1 bring to a filtered image: the root of the sum of the squares of
+    /// what becomes of one pixel.
+    #[test]
+    fn white_noise_is_what_the_filters_make_of_one_pixel() {
+        const SIDE: usize = 64;
+        let grid = Grid::of(SIDE * SIDE, SIDE).unwrap();
+        let mut one = std::vec![0.0f32; SIDE * SIDE];
+        one[SIDE / 2 * SIDE + SIDE / 2] = 1.0;
+        for (wide, strength, white) in [(WIDE, SHARPENING, WHITE), (NARROW_WIDE, NARROW_SHARPENING, NARROW_WHITE)] {
+            let (mut plane, mut room) = (one.clone(), std::vec![0.0; ROOM_ROWS * SIDE]);
+            Weights::gauss(MATCHED).apply(&one, &mut room, &mut plane, grid, &Alone);
+            Weights::gauss(wide).sharpen(&mut plane, &mut room, grid, strength, &Alone);
+            let power: f64 = plane.iter().map(|&value| f64::from(value).powi(2)).sum();
+            assert!((power.sqrt() / f64::from(white) - 1.0).abs() < 1e-5, "{} beside {white}", power.sqrt());
+        }
     }
-    kept
+
+    #[test]
+    fn noise_that_is_given_is_believed_where_the_frame_has_less() {
+        let map = [1.0];
+        let given = Known { noise: Some(&map), ..Known::default() };
+        for (known, measured, size, unseen) in [
+            (Known::default(), 0.1, 0.1, 0.0),
+            (Known { relative: true, ..given }, 0.1, 0.1, 0.0),
+            (given, 0.8, 0.8, 0.0),
+            (given, 0.1, 0.5, 0.4),
+            (given, 0.0, 0.5, 0.5),
+        ] {
+            assert_eq!(Noise::of(measured, 0.5, known), Noise { size, unseen });
+        }
+        // Twice what is unseen could take light away.
+        let noise = Noise::of(0.1, 0.5, given);
+        assert_eq!((noise.times(3.3, 1.0), noise.times(3.3, 5.0)), (5.0, 1.0));
+        assert_eq!(Noise::of(0.0, 0.5, Known::default()).times(1.0, 1.2), f32::MAX);
+    }
 }

@@ -4,11 +4,13 @@
 //! After Bijaoui and others; the test of significance follows the idea of MTObjects (Teeninga et
 //! al. 2016, doi:10.1515/mathm-2016-0006), the mirror that of the SDSS deblender (Lupton 2001).
 
+use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Deblending};
 use crate::plane::field::{Ellipse, Field};
 use crate::plane::sort;
 use crate::sky::photon::grown;
+use core::ops::Range;
 
 /// A region of the tree, in the end a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +73,23 @@ impl<L: Level> Region<L> {
         other.filter(|&other| self.label != 0 && other != 0 && other != self.label)
     }
 
+    /// The list of fields, out or in.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        let mut sum = L::sum_bits(self.sum);
+        for word in [&mut self.peak, &mut self.area, &mut self.divided, &mut self.label] {
+            codec.word(word)?;
+        }
+        for level in [&mut self.value, &mut self.centre.0, &mut self.centre.1] {
+            codec.bits(level)?;
+        }
+        for real in [&mut self.offsets.0, &mut self.offsets.1, &mut self.plateau] {
+            codec.real(real)?;
+        }
+        codec.long(&mut sum)?;
+        self.sum = L::sum_of_bits(sum);
+        Ok(())
+    }
+
     /// A region of one pixel.
     fn of(peak: u32, value: L) -> Region<L> {
         Region { peak, value, area: 1, sum: value.times(1), ..Region::BLANK }
@@ -106,6 +125,14 @@ pub struct Count {
     pub left_out: u32,
 }
 
+impl Count {
+    /// The list of fields, out or in.
+    pub(crate) fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
+        codec.size(&mut self.regions)?;
+        codec.word(&mut self.left_out)
+    }
+}
+
 /// Of the nine pixels around a peak so many must be its own: most of them.
 const MOST: usize = 5;
 
@@ -115,7 +142,7 @@ const ROOT: u32 = 1 << 31;
 const NONE: u32 = u32::MAX;
 
 /// The first pixel of a pixel's region, both by rank; paths are halved on the way.
-pub fn root_of(parents: &mut [u32], mut rank: u32) -> u32 {
+pub fn root(parents: &mut [u32], mut rank: u32) -> u32 {
     let parent = |parents: &[u32], rank: u32| parents.get(rank as usize).copied().unwrap_or(NONE);
     loop {
         let near = parent(parents, rank);
@@ -134,43 +161,41 @@ pub fn root_of(parents: &mut [u32], mut rank: u32) -> u32 {
 }
 
 /// The index of the region whose first pixel has this rank; beyond all tables for a pixel that is in none.
-#[inline]
 pub fn region_at(parents: &[u32], root: u32) -> usize {
     parents.get(root as usize).map_or(usize::MAX, |parent| (parent & !ROOT) as usize)
 }
 
-/// Grows the regions of `order`, the pixels in use, of each component from the brightest down. `ranks` has 1 + the
+/// Grows the regions of `order`, the pixels in use, of each component from the brightest down, by the pixels of some
+/// places there. `ranks` has 1 + the
 /// place there of each of these pixels and 0 elsewhere, `parents` is as long as `order`; `photon` is the
-/// photon noise. Gives the
-/// number of regions, and of peaks for which none was free: they stay out.
-pub fn grow<L: Level>(
+/// photon noise. Counts the
+/// regions, and peaks for which none was free: they stay out.
+pub(crate) fn grow<L: Level>(
+    counted: &mut Count,
     field: Field<'_, L>,
-    order: &[u32],
+    (order, part): (&[u32], Range<usize>),
     parents: &mut [u32],
     ranks: &[u32],
     regions: &mut [Region<L>],
     (config, photon): (&Config, f32),
-) -> Count {
-    let (mut count, mut left_out) = (0, 0);
+) {
+    let Count { regions: mut count, mut left_out } = *counted;
     let rank_of = |at: usize| ranks.get(at).and_then(|rank| rank.checked_sub(1));
-    for (rank, &pixel) in (0..).zip(order) {
+    for (rank, &pixel) in (0..).zip(order).take(part.end).skip(part.start) {
         let at = pixel as usize;
         let value = field.at(at);
-        let (mut roots, mut found, mut nearest, mut root) = ([NONE; 8], 0, None::<(L, u32)>, NONE);
+        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
         for near in field.grid.touching(at, config.connectivity.neighbours()) {
             let Some(known) = rank_of(near).filter(|&near| near < rank && !is_out(parents, near)) else { continue };
-            // Most neighbours are of one region, and some know its root.
-            if known != root && parents.get(known as usize) != Some(&root) {
-                root = root_of(parents, known);
-                if !roots.contains(&root)
-                    && let Some(free) = roots.get_mut(found)
-                {
-                    *free = root;
-                    found += 1;
-                }
-            }
+            let root = root(parents, known);
             if nearest.is_none_or(|(value, _)| field.at(near) > value) {
                 nearest = Some((field.at(near), root));
+            }
+            if !roots.contains(&root)
+                && let Some(free) = roots.get_mut(found)
+            {
+                *free = root;
+                found += 1;
             }
         }
         let Some(own) = parents.get_mut(rank as usize) else { break };
@@ -197,7 +222,7 @@ pub fn grow<L: Level>(
             // What is brighter is in the tree, or will be: the components are gone through one after another.
             let key = |at: usize| (!field.at(at).key(), at);
             let foreign = |near: usize| match rank_of(near) {
-                Some(known) if known < rank && !is_out(parents, known) => root_of(parents, known) != host,
+                Some(known) if known < rank && !is_out(parents, known) => root(parents, known) != host,
                 Some(_) => key(near) < key(at),
                 None => false,
             };
@@ -234,11 +259,10 @@ pub fn grow<L: Level>(
             region.sum = region.sum + value.times(1);
         }
     }
-    Count { regions: count, left_out }
+    *counted = Count { regions: count, left_out };
 }
 
 /// Whether a pixel that was met is in no region.
-#[inline]
 fn is_out(parents: &[u32], rank: u32) -> bool {
     parents.get(rank as usize).is_none_or(|&parent| parent == NONE)
 }

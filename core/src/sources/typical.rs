@@ -9,6 +9,7 @@ use crate::arithmetic::{Level, Real};
 use crate::plane::field::Field;
 use crate::plane::part::{Question, Whole};
 use crate::plane::sort;
+use crate::plane::walk::Walk;
 use crate::sources::tree::Region;
 
 /// The farthest distance along an axis, pixels.
@@ -39,36 +40,49 @@ impl<'m> Typical<'m> {
     /// None that is known.
     pub const NONE: Typical<'static> = Typical { cells: &[] };
 
-    /// Looks at the sources of a frame. `cells` and `spare` are as long as the plane; where that is
-    /// too short there is no typical source. Cost: 154 thousand samples.
-    pub fn of<L: Level>(
+    /// The typical source that [`Typical::find`] has left in `cells`, if there is one.
+    pub(crate) fn over(cells: &'m [u32], is_known: bool) -> Typical<'m> {
+        Typical { cells: cells.get(..SIDE * SIDE).filter(|_| is_known).unwrap_or(&[]) }
+    }
+
+    /// Looks at the sources of a frame, and tells whether there is a typical one. `cells` and `spare` are as long as the
+    /// plane; where that is too short there is none. Cost: 154 thousand samples.
+    pub(crate) fn find<L: Level>(
+        walk: &mut Walk,
+        is_known: &mut bool,
         whole: Option<&dyn Whole>,
         field: Field<'_, L>,
         noise: L,
         regions: &[Region<L>],
         (cells, spare): (&'m mut [u32], &mut [u32]),
-    ) -> Typical<'m> {
+    ) -> Option<()> {
         let bright = noise.scaled(L::Weight::of(BRIGHT));
-        let mut count = 0;
         let stands = |region: &Region<L>| region.area > 0 && region.plateau <= 0.0 && region.value > bright;
         let part = whole.map(Whole::part);
         let is_own =
             |region: &Region<L>| part.as_ref().is_none_or(|part| part.owns(field.grid.place(region.peak as usize)));
-        for (id, _) in (0..).zip(regions).filter(|(_, region)| stands(region) && is_own(region)) {
-            if let Some(place) = cells.get_mut(count) {
-                *place = id;
-                count += 1;
+        walk.tally(regions.len(), 1, |tally, part| {
+            if part.start == 0 {
+                tally.count = 0;
             }
-        }
+            let some = (0..).zip(regions).take(part.end).skip(part.start);
+            for (id, _) in some.filter(|(_, region)| stands(region) && is_own(region)) {
+                if let Some(place) = cells.get_mut(tally.count) {
+                    *place = id;
+                    tally.count += 1;
+                }
+            }
+        })?;
+        let count = walk.tally.count;
         let ids = cells.get_mut(..count).unwrap_or(&mut []);
         let region = |id: u32| regions.get(id as usize);
         // The order of equal ones must not depend on the order of the table.
-        sort::by_key(ids, spare, |id| region(id).map_or(0, |region| region.peak));
-        sort::by_key(ids, spare, |id| !region(id).map_or(L::ZERO, |region| region.value).key());
-        let mut chosen = [0; MOST];
+        sort::by_key_in(walk, ids, spare, |id| region(id).map_or(0, |region| region.peak))?;
+        sort::by_key_in(walk, ids, spare, |id| !region(id).map_or(L::ZERO, |region| region.value).key())?;
         let count = count.min(MOST);
-        chosen.iter_mut().zip(ids.iter()).for_each(|(chosen, id)| *chosen = *id);
-        let chosen = chosen.get(..count).unwrap_or(&[]);
+        let chosen = spare.get_mut(..count).unwrap_or(&mut []);
+        walk.once(MOST, || chosen.iter_mut().zip(ids.iter()).for_each(|(chosen, id)| *chosen = *id))?;
+        let chosen = &*chosen;
         let light = |id: u32, at: usize| {
             let off = |cell: usize| L::whole(cell) - L::whole(RADIUS);
             let region = region(id)?;
@@ -88,20 +102,19 @@ impl<'m> Typical<'m> {
             count = words.len() / RECORD;
             records = Some(words);
         }
-        let Some(cells) = cells.get_mut(..SIDE * SIDE).filter(|_| count >= LEAST) else {
-            return Typical::NONE;
-        };
-        for (at, cell) in cells.iter_mut().enumerate() {
-            let told = |record: &[u32]| record.get(RECORD_HEAD + at).map(|&bits| f32::from_bits(bits));
-            let value = match records {
-                None => quartile(chosen.iter().filter_map(|&id| light(id, at))),
-                Some(records) => {
-                    quartile(records.chunks_exact(RECORD).filter_map(told).filter(|light| !light.is_nan()))
-                }
-            };
-            *cell = value.to_bits();
-        }
-        Typical { cells }
+        walk.once(1, || *is_known = count >= LEAST && cells.len() >= SIDE * SIDE)?;
+        walk.pass(if *is_known { SIDE * SIDE } else { 0 }, MOST, |part| {
+            for (at, cell) in cells.iter_mut().enumerate().take(part.end).skip(part.start) {
+                let told = |record: &[u32]| record.get(RECORD_HEAD + at).map(|&bits| f32::from_bits(bits));
+                let value = match records {
+                    None => quartile(chosen.iter().filter_map(|&id| light(id, at))),
+                    Some(records) => {
+                        quartile(records.chunks_exact(RECORD).filter_map(told).filter(|light| !light.is_nan()))
+                    }
+                };
+                *cell = value.to_bits();
+            }
+        })
     }
 
     /// The most light that a source of this kind with the given peak and centre has at a place.
@@ -159,12 +172,23 @@ mod tests {
         (plane, regions)
     }
 
+    fn typical<'m, L: Level>(
+        field: Field<'_, L>,
+        regions: &[Region<L>],
+        cells: &'m mut [u32],
+        spare: &mut [u32],
+    ) -> Typical<'m> {
+        let mut is_known = false;
+        let _ = Typical::find(&mut Walk::whole(), &mut is_known, None, field, L::ONE, regions, (cells, spare));
+        Typical::over(cells, is_known)
+    }
+
     /// The typical light, to the right, to the left and below, of a source with a peak of 1000.
     fn light<L: Level>(count: usize) -> [f32; 3] {
         let (plane, regions) = sources::<L>(count);
         let field = Field { values: &plane, grid: Grid::of(plane.len(), WIDTH).expect("there are columns") };
         let [mut cells, mut spare] = [(); 2].map(|()| vec![0; plane.len()]);
-        let typical = Typical::of(None, field, L::ONE, &regions, (&mut cells, &mut spare));
+        let typical = typical(field, &regions, &mut cells, &mut spare);
         let centre = (L::of(100.0), L::of(100.0));
         let places = [(103.0, 100.0), (97.0, 100.0), (100.0, 105.0)];
         places.map(|(x, y)| typical.light(L::of(1000.0), centre, (L::of(x), L::of(y))).to_f32())
@@ -188,12 +212,12 @@ mod tests {
         let (plane, regions) = sources::<f32>(LEAST);
         let field = Field { values: &plane, grid: Grid::of(plane.len(), WIDTH).expect("there are columns") };
         let (mut cells, mut spare) = (vec![0; plane.len()], vec![0; plane.len()]);
-        let typical = Typical::of(None, field, 1.0, &regions, (&mut cells, &mut spare));
-        let right = |off: f32| typical.light(1000.0, (100.0, 100.0), (100.0 + off, 100.0));
+        let known = typical(field, &regions, &mut cells, &mut spare);
+        let right = |off: f32| known.light(1000.0, (100.0, 100.0), (100.0 + off, 100.0));
         assert!(right(0.0) > 1000.0 && right(2.6) > 0.0 && right(3.4) > 0.0);
         assert_eq!([right(2.4), right(3.6), right(24.6), right(-24.6)], [0.0; 4]);
-        let typical = Typical::of(None, field, 1.0, &regions, (&mut cells[..SIDE * SIDE - 1], &mut spare));
-        assert_eq!(typical.light(1000.0, (100.0, 100.0), (103.0, 100.0)), 0.0);
+        let none = typical(field, &regions, &mut cells[..SIDE * SIDE - 1], &mut spare);
+        assert_eq!(none.light(1000.0, (100.0, 100.0), (103.0, 100.0)), 0.0);
     }
 
     #[test]

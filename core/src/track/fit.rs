@@ -1,10 +1,10 @@
 //! The centre of the brightest star of a window.
 
-use super::frame::Pixel;
 use super::solve::{Basis, Equations, Solution};
 use super::window::{Border, Rectangle, View};
 use super::{BLENDED, Camera, HOT, LEAST_SNR, SATURATED, Star};
 use crate::arithmetic::{Arithmetic, Real};
+use crate::plane::raster::Pixel;
 
 /// The most steps that a centre takes; a star of S/N 20 and more has settled to 0.01 pixels by then.
 pub const STEPS: usize = 4;

@@ -13,14 +13,12 @@
 //! [`STEPS`] times the pixels within three widths of the star. Memory: less than two kilobytes of stack.
 
 mod fit;
-#[deny(clippy::arithmetic_side_effects)]
-mod frame;
 mod solve;
 #[deny(clippy::arithmetic_side_effects)]
 mod window;
 
+pub use crate::plane::raster::{BadPixel, Pixel, Raster};
 pub use fit::STEPS;
-pub use frame::{BadPixel, Pixel, Raster};
 pub use window::Window;
 
 use crate::arithmetic::Arithmetic;
@@ -29,7 +27,7 @@ use fit::Fit;
 use window::View;
 
 /// The least and the greatest width and height of a window, pixels.
-pub const SIDES: (u16, u16) = (8, 64);
+pub const SIDES: (u16, u16) = (crate::plane::raster::LEAST_SIDE, 64);
 /// A star below this signal-to-noise is lost: in a window of 64 x 64 the highest of the noise is at 4.5.
 pub const LEAST_SNR: f32 = 5.0;
 

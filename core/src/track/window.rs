@@ -1,8 +1,8 @@
 //! A window on the frame: which of its pixels can be used, its sky, and where its star begins.
 
-use super::frame::{BadPixel, Pixel, Raster};
 use super::{Camera, EDGE, SIDES};
 use crate::error::Error;
+use crate::plane::raster::{BadPixel, Pixel, Raster};
 
 /// Where a star is expected, and how far around to look.
 #[repr(C)]
@@ -20,7 +20,7 @@ pub struct Window {
 
 impl Window {
     /// Checks size and place.
-    pub(super) fn validate(&self) -> Result<(), Error> {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         for (name, side) in [("window width", self.width), ("window height", self.height)] {
             let (value, (least, most)) = (f32::from(side), SIDES);
             if side < least {
@@ -37,6 +37,11 @@ impl Window {
             }
         }
         Ok(())
+    }
+
+    /// Its part in a frame: the first column and how many there are, and the same of rows.
+    pub(crate) fn within<P>(&self, frame: &Raster<'_, P>) -> ((usize, usize), (usize, usize)) {
+        (clip(self.x, self.width, frame.width), clip(self.y, self.height, frame.height))
     }
 }
 
@@ -117,8 +122,7 @@ impl Rectangle {
 impl<'a, P: Pixel> View<'a, P> {
     /// The window; nothing where fewer than three columns or rows of it are in the frame.
     pub fn new(frame: &Raster<'a, P>, window: &Window, camera: &Camera, bad: &[BadPixel]) -> Option<View<'a, P>> {
-        let (x, columns) = clip(window.x, window.width, frame.width);
-        let (y, rows) = clip(window.y, window.height, frame.height);
+        let ((x, columns), (y, rows)) = window.within(frame);
         if columns < 3 || rows < 3 {
             return None;
         }
@@ -167,7 +171,7 @@ impl<'a, P: Pixel> View<'a, P> {
     #[inline(always)]
     pub fn row(&self, y: usize) -> &'a [P] {
         let x = self.origin.0;
-        self.frame.row(self.origin.1.saturating_add(y), x..x.saturating_add(self.size.0))
+        self.frame.part(self.origin.1.saturating_add(y), x..x.saturating_add(self.size.0))
     }
 
     /// Which pixels of a row are left out.

@@ -10,10 +10,11 @@ Tasks:
   what can be set    skyfront parameters
   what is measured   skyfront columns
   will it fit        skyfront budget --width 4096 --height 4096
+  what came down     skyfront packets downlink.bin
   manual pages       skyfront man --out man1";
 
 /// Commands and their examples: a line of what for, a command line.
-pub const EXAMPLES: [(&str, &[(&str, &str)]); 9] = [
+pub const EXAMPLES: [(&str, &[(&str, &str)]); 10] = [
     (
         "segment",
         &[
@@ -30,6 +31,7 @@ pub const EXAMPLES: [(&str, &[(&str, &str)]); 9] = [
                 "SExtractor's columns",
                 "skyfront segment image.fits --out results --columns NUMBER,X_IMAGE,Y_IMAGE,FLUX_AUTO,FLAGS",
             ),
+            ("The stars of a star tracker's frame", "skyfront segment frame.fits --out stars --preset star-tracker"),
             ("The settings of one run for another", "skyfront segment --threshold 0.8 --dump-config"),
             ("The front of the paper", "skyfront segment image.fits --out paper --preset paper-f160"),
             (
@@ -53,6 +55,7 @@ pub const EXAMPLES: [(&str, &[(&str, &str)]); 9] = [
         "score",
         &[("A map beside the truth", "skyfront score sky/truth.fits map/segmentation.fits --image sky/sky.fits")],
     ),
+    ("packets", &[("What a star tracker sent down", "skyfront packets downlink.bin")]),
     ("man", &[("Read a page", "skyfront man segment"), ("Install all of them", "skyfront man --out man1")]),
     ("completions", &[("For bash", "skyfront completions bash")]),
 ];

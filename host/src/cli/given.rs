@@ -116,7 +116,8 @@ fn long_help(parameter: &Parameter) -> String {
     }
     if parameter.name == START {
         text += "\n- FILE[HDU]: a map; outside its pixels that are not 0, or, if some are negative, from its \
-                 values as front.fits holds them";
+                 values as front.fits holds them; or seeds, for --motion outward. FILE.csv: a table of places, with \
+                 columns x and y, counted from 1, or ra and dec";
     }
     text + "\n[" + &notes(parameter).join("; ") + "]"
 }

@@ -20,6 +20,7 @@ mod measuring;
 mod memory;
 mod messages;
 mod options;
+mod packets;
 mod parameters;
 mod presets;
 mod process;
@@ -76,6 +77,13 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Score a segmentation map against the truth (Haigh et al. 2021).
     Score(score::Arguments),
+    /// Print what packets from board hold: stars, maps of labels and cut-outs, each as one line of JSON.
+    ///
+    /// Damaged, lost and repeated packets are told on stderr, and the rest is used. Exit code 1 where something was
+    /// lost. Pixel centres have whole coordinates from (0, 0), as on board; variances of stars that were not found
+    /// are null, and so are missing pixels of cut-outs. Of a map of labels, runs are [first pixel in row-major order,
+    /// length, label], and missing parts [first pixel, length].
+    Packets(packets::Arguments),
     /// List the presets with their settings.
     Presets,
     /// List all parameters with their units, bounds, defaults and meanings.
@@ -182,6 +190,7 @@ fn is_usage(error: &anyhow::Error) -> bool {
 fn obey(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Some(Command::Segment(arguments)) => return segment::run(&arguments),
+        Some(Command::Packets(arguments)) => return packets::run(&arguments),
         Some(Command::Crosscheck(arguments)) => crosscheck::run(&arguments)?,
         Some(Command::Budget(arguments)) => budget::run(&arguments)?,
         Some(Command::Reproduce(arguments)) => reproduce::run(&arguments)?,

@@ -10,6 +10,8 @@ use skyfront_core::arithmetic::{Arithmetic, Real};
 /// How far a number inside a step may be off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rounding {
+    /// A cell of the image.
+    pub cell: f64,
     /// An image value, before a power or a root of it is taken.
     pub value: f64,
     /// The length of a gradient, in image units per two pixels: a share of it, and a part that is always there.
@@ -38,6 +40,7 @@ impl Rounding {
         let change = 0.5 / f64::from(A::CHANGE_UNITS);
         match A::NAME {
             "q24" => Rounding {
+                cell: bit(25),
                 value: bit(24),
                 gradient: (0.0, bit(23)),
                 direction: bit(24),
@@ -47,6 +50,7 @@ impl Rounding {
                 change,
             },
             "q11" => Rounding {
+                cell: bit(16),
                 value: bit(24),
                 gradient: (0.0, bit(15)),
                 direction: 0.0,
@@ -56,6 +60,7 @@ impl Rounding {
                 change,
             },
             _ => Rounding {
+                cell: bit(25),
                 value: 0.0,
                 gradient: (bit(22), 0.0),
                 direction: 0.0,

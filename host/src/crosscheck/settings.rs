@@ -57,7 +57,7 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::CurvatureForm::Printed => r::CurvatureForm::Printed,
         },
         degenerate_c: decimal(config.degenerate),
-        degenerate_s: 1.0,
+        degenerate_s: config.degenerate_power.into(),
         directions: config.directions.into(),
         dx: decimal(config.dx),
         dt: decimal(config.dt),
@@ -120,19 +120,12 @@ fn rescale(rescale: c::Rescale) -> r::Rescale {
 }
 
 fn filter(config: &c::Config) -> r::Filter {
+    let diffusion = match config.filter {
+        c::Filter::PeronaMalik { diffusivity: c::Diffusivity::F1, mu } => (r::Diffusivity::F1, decimal(mu)),
+        c::Filter::PeronaMalik { mu, .. } => (r::Diffusivity::F2, decimal(mu)),
+        _ => (r::Diffusivity::F2, 1.0),
+    };
     let (steps, dt) = (config.filter_steps.into(), decimal(config.filter_dt));
-    match config.filter {
-        c::Filter::None | c::Filter::Gauss | c::Filter::Adaptive => r::Filter::None,
-        c::Filter::Heat => r::Filter::Heat { steps, dt },
-        c::Filter::Median => r::Filter::Median { steps },
-        c::Filter::PeronaMalik { diffusivity, mu } => r::Filter::PeronaMalik {
-            f: match diffusivity {
-                c::Diffusivity::F1 => r::Diffusivity::F1,
-                c::Diffusivity::F2 => r::Diffusivity::F2,
-            },
-            mu: decimal(mu),
-            steps,
-            dt,
-        },
-    }
+    let number = config.filter.number().map_or(0.0, decimal);
+    r::Filter::named(config.filter.name(), r::FilterSettings { steps, dt, diffusion, number })
 }

@@ -50,7 +50,7 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
                 return Ok(walk.notes.found);
             }
             Progress::Next(stage) => {
-                run.poll()?;
+                run.poll(usize::MAX)?;
                 let after = Left::of(&run, asked.cell, width);
                 walk.see::<L>(stage, &before, &after);
                 before = after;

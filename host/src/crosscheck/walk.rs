@@ -5,9 +5,10 @@ use super::notes::{Difference, Notes};
 use super::rounding::{Rounding, bit};
 use crate::pipeline::MOST_SOURCES;
 use crate::planes::Room;
-use crate::reference::{self as r, Order, Parameters, Plane, Rescale, Scheme};
+use crate::reference::{self as r, Filtering, Order, Parameters, Plane, Rescale, Scheme};
 use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
 use skyfront_core::config::Config;
+use skyfront_core::image::filter::total_variation::components;
 use skyfront_core::run::frame::SliceFrame;
 use skyfront_core::run::outcome::{Outcome, Progress};
 use skyfront_core::run::segmenter::Segmenter;
@@ -29,6 +30,7 @@ pub fn walk<A: Arithmetic>(
     let mut room = Room::<A>::new(config, width, height, (width * height / 4).clamp(1, MOST_SOURCES));
     let mut run = Segmenter::<A>::new(config, width, height, room.memory())?;
     let mut walk = Walk::new::<A>(*parameters, pixels, (width, height), f64::from(run.unit()));
+    walk.measuring_passes = config.filter.passes(config.filter_steps).saturating_sub(parameters.filter.passes());
     loop {
         let stage = run.stage();
         let progress = run.poll(usize::MAX, &mut SliceFrame(pixels))?;
@@ -62,6 +64,12 @@ struct Walk {
     normalised: Option<Plane>,
     rescaled: Option<Plane>,
     filtered: Option<Plane>,
+    /// The image before the filter, and how far the filter has come.
+    unfiltered: Option<Plane>,
+    filtering: Option<Filtering>,
+    filter_passes: u32,
+    /// The filter's passes that the reference does without.
+    measuring_passes: u32,
     g: Option<Plane>,
     u0: Option<Plane>,
     /// The front, in the paper's u.
@@ -83,6 +91,10 @@ impl Walk {
             normalised: None,
             rescaled: None,
             filtered: None,
+            unfiltered: None,
+            filtering: None,
+            filter_passes: 0,
+            measuring_passes: 0,
             g: None,
             u0: None,
             front: empty,
@@ -114,11 +126,9 @@ impl Walk {
                 self.rescaled = Some(self.image.clone());
             }
             Stage::Filter => {
-                let (next, old) = (image(), &self.image);
-                let reference = r::filter_step(self.p.filter, self.p.dx, old);
-                self.notes.plane("filtered", &next, &reference, &reference);
-                self.filtered = Some(next.clone());
-                self.image = next;
+                let kept = self.kept::<A>(run);
+                let next = Filtering { image: image(), kept };
+                self.filter_pass(next);
             }
             Stage::Edge => self.g = Some(image()),
             Stage::Front => {
@@ -140,6 +150,57 @@ impl Walk {
         }
     }
 
+    /// What a filter keeps in the front plane.
+    fn kept<A: Arithmetic>(&self, run: &Segmenter<'_, A>) -> Vec<Plane> {
+        let plane = |value: &dyn Fn(A::Cell) -> A::Real| {
+            self.plane(|at| run.front().get(at).map_or(f64::NAN, |&cell| value(cell).to_f32().into()))
+        };
+        match self.p.filter {
+            r::Filter::Starlet { .. } => vec![plane(&A::pixel)],
+            r::Filter::TotalVariation { .. } => {
+                vec![plane(&|cell| components(cell)[0]), plane(&|cell| components(cell)[1])]
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// A pass of the filter; those before the reference's first leave the image alone.
+    fn filter_pass(&mut self, next: Filtering) {
+        let pass = self.filter_passes.checked_sub(self.measuring_passes);
+        let before = self.filtering.take().unwrap_or(Filtering { image: self.image.clone(), kept: Vec::new() });
+        let first = self.unfiltered.get_or_insert_with(|| before.image.clone());
+        let reference = match pass {
+            Some(pass) => r::filter_pass(self.p.filter, self.p.dx, pass, first, &before),
+            None => Filtering { kept: Vec::new(), ..before },
+        };
+        let (image_off, kept_off) = self.filter_off(pass.unwrap_or(0));
+        let planes = [(&next.image, &reference.image, image_off)].into_iter();
+        let kept = next.kept.iter().zip(&reference.kept).map(|(core, reference)| (core, reference, kept_off));
+        for (core, reference, off) in planes.chain(kept) {
+            self.notes.plane("filtered", core, &reference.map(|v| v - off), &reference.map(|v| v + off));
+        }
+        self.filter_passes += 1;
+        self.filtered = Some(next.image.clone());
+        self.image = next.image.clone();
+        self.filtering = Some(next);
+    }
+
+    /// How far a pass may be off by what is rounded inside it: the image, and what is kept beside it.
+    fn filter_off(&self, pass: u32) -> (f64, f64) {
+        match self.p.filter {
+            // A row of the spline along columns has cells; so have the details of which the noise is told.
+            r::Filter::Starlet { significance, scales } if pass < scales => {
+                let noise = 1.4826 * (self.rounding.cell + bit(23)) * r::scale_noise(pass);
+                (self.rounding.cell, 2.0 * self.rounding.cell + 2.0 * significance * noise)
+            }
+            // The field ends a step short of 1.
+            r::Filter::TotalVariation { weight, .. } => (weight * bit(21), bit(14)),
+            // A mean of 25 products, each rounded.
+            r::Filter::Bilateral { .. } => (25.0 * bit(25), 0.0),
+            _ => (0.0, 0.0),
+        }
+    }
+
     /// Steps 1 to 4 and the front before it moves.
     fn image_steps(&mut self, outcome: &Outcome, tau: f64) -> Result<(), CheckError> {
         self.normalisation(outcome)?;
@@ -152,7 +213,7 @@ impl Walk {
         };
         self.threshold(outcome, &into_rescaling);
         self.rescaling(&into_rescaling, tau);
-        if self.filtered.is_some() != (self.p.filter.steps() > 0) {
+        if self.filtered.is_some() != (self.p.filter.passes() > 0) {
             self.notes.missing("filtered");
         }
         if self.p.scheme != Scheme::ChanVese {

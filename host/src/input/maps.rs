@@ -1,10 +1,11 @@
 //! The maps that a command line names, read and checked against the image.
 
-use super::{Beside, Input, LabelMap, MapError, Observed, Positions, Reason, StartMap, WeightType};
+use super::{At, Beside, Input, LabelMap, MapError, Observed, Positions, Reason, StartMap, WeightType};
 use crate::read::{Image, Place};
+use crate::sky::Sky;
 use crate::write::entry::numbered;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The maps of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -113,11 +114,17 @@ impl Maps {
             loader.note("positions", "SFPLACES", file, None);
         }
         if let Some((place, margin)) = &self.start {
-            let map = loader.image("start", "SFSTMAP", place)?;
-            if !map.pixels.iter().any(|&value| value > 0.0) {
-                return Err(MapError { option: "start", reason: Reason::Empty(place.to_string()) });
+            let file = place.to_string();
+            let map = if Path::new(&file).extension().is_some_and(|extension| extension == "csv") {
+                loader.note("start", "SFSTMAP", file.clone(), None);
+                marks(&file, &input.detected.image).map_err(|reason| MapError { option: "start", reason })?
+            } else {
+                loader.image("start", "SFSTMAP", place)?.pixels
+            };
+            if !map.iter().any(|&value| value > 0.0) {
+                return Err(MapError { option: "start", reason: Reason::Empty(file) });
             }
-            input.start = Some(StartMap::of(&map.pixels, loader.size.0, *margin));
+            input.start = Some(StartMap::of(&map, loader.size.0, *margin));
         }
         input.removed = before - defined(&input.detected.image);
         input.beside = loader.beside;
@@ -211,6 +218,24 @@ fn sized(place: &Place, (image_width, image_height): (usize, usize)) -> Result<I
         }
         None => Ok(map?),
     }
+}
+
+/// The pixels of the places of a table, as a map.
+fn marks(file: &str, image: &Image) -> Result<Vec<f32>, Reason> {
+    let table = Positions::read(Path::new(file)).map_err(Reason::Table)?;
+    let sky = Sky::of(&image.header).ok().flatten();
+    let mut map = vec![0.0; image.pixels.len()];
+    for (number, place) in (1..).zip(&table.places) {
+        let at = match *place {
+            At::Pixel(x, y) => Some((x - 1.0, y - 1.0)),
+            At::Sky(ra, dec) => sky.as_ref().and_then(|sky| sky.pixel(ra, dec)),
+        };
+        let index = |at: f64, length: usize| (0..length).find(|&pixel| (at - pixel as f64).abs() <= 0.5);
+        let pixel = at.and_then(|(x, y)| Some(index(y, image.height)? * image.width + index(x, image.width)?));
+        let pixel = pixel.ok_or_else(|| Reason::Table(format!("{file}: place {number} is not in the image")))?;
+        map[pixel] = 1.0;
+    }
+    Ok(map)
 }
 
 /// Takes masked pixels from all images. A mask holds flags; an image in its place would remove

@@ -1,7 +1,7 @@
 //! A front that starts from a map: a former segmentation, a drawing, or a level set.
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Real};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Motion};
 use skyfront_core::front::profile::Profile;
 use skyfront_core::front::start::{mark_row, spread_row};
 
@@ -34,8 +34,10 @@ impl StartMap {
         }
         let marks: Vec<f32> = values.iter().map(|&value| if value > 0.0 { 1.0 } else { 0.0 }).collect();
         let mut distance = vec![0.0; values.len()];
+        // A front that grows needs to know how far its seeds are, one that shrinks only that they are.
+        let farthest = (width + values.len() / width) as f32;
         for (row, marks) in distance.chunks_exact_mut(width).zip(marks.chunks_exact(width)) {
-            mark_row::<F32>(marks, 0.5, margin, row);
+            mark_row::<F32>(marks, 0.5, farthest, row);
         }
         spread(distance.chunks_exact_mut(width));
         spread(distance.chunks_exact_mut(width).rev());
@@ -52,7 +54,10 @@ impl StartMap {
                 let mut levels = vec![0.0; width];
                 for (row, distance) in plane.chunks_exact_mut(width).zip(distance.chunks_exact(width)) {
                     levels.copy_from_slice(distance);
-                    front.outside_row::<F32>(*margin, &mut levels);
+                    match config.motion {
+                        Motion::Inward => front.outside_row::<F32>(*margin, &mut levels),
+                        Motion::Outward => front.around_row(*margin, &mut levels),
+                    }
                     row.iter_mut().zip(&levels).for_each(|(cell, &value)| set(cell, value));
                 }
             }

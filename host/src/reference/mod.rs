@@ -43,14 +43,12 @@ mod threshold;
 pub use arrival::{arrivals, soonest};
 pub use edge::{detector, gradient, gradient_range};
 pub use error::ReferenceError;
-pub use filter::filter_step;
+pub use filter::{Diffusivity, Filter, FilterSettings, Filtering, filter_pass, scale_noise};
 pub use front::{Ended, Evolution, at_rest, change, evolve, step};
 pub use initial::{framed, half_side, initial, near, saturated};
 pub use normalize::{normalize, range};
 pub use otsu::otsu;
-pub use parameters::{
-    Connectivity, CurvatureForm, Diffusivity, Edge, Filter, Normalize, Order, Parameters, Rescale, Scheme, Stop, Tau,
-};
+pub use parameters::{Connectivity, CurvatureForm, Edge, Normalize, Order, Parameters, Rescale, Scheme, Stop, Tau};
 pub use plane::{Around, Plane};
 pub use rescale::{r1, r2, r3, rescale, threshold};
 pub use segments::{centroids, is_beyond_reach, label, sources};

@@ -1,6 +1,6 @@
 //! The choices of the algorithm, with the paper's values as defaults.
 
-use super::ReferenceError;
+use super::{Filter, ReferenceError};
 
 /// How the grey levels are brought to \[0, 1\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,55 +59,6 @@ pub enum Order {
     RescaleFirst,
     /// Test 2.
     FilterFirst,
-}
-
-/// Diffusion coefficient of Perona and Malik.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Diffusivity {
-    /// 1 / (1 + (z/mu)^2).
-    F1,
-    /// exp(-(z/mu)^2).
-    F2,
-}
-
-/// Filter of step 3.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Filter {
-    /// The image as it is.
-    None,
-    /// `schemacal`.
-    Heat {
-        /// Iterations.
-        steps: u32,
-        /// Time step.
-        dt: f64,
-    },
-    /// `eq:PM`.
-    PeronaMalik {
-        /// f1 or f2.
-        f: Diffusivity,
-        /// Gradient threshold, in grey levels per unit of length.
-        mu: f64,
-        /// Iterations.
-        steps: u32,
-        /// Time step.
-        dt: f64,
-    },
-    /// The median of 3 x 3 pixels.
-    Median {
-        /// Iterations.
-        steps: u32,
-    },
-}
-
-impl Filter {
-    /// Its iterations.
-    pub fn steps(self) -> u32 {
-        match self {
-            Filter::None => 0,
-            Filter::Heat { steps, .. } | Filter::PeronaMalik { steps, .. } | Filter::Median { steps } => steps,
-        }
-    }
 }
 
 /// Edge detector of step 4.

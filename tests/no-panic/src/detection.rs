@@ -7,7 +7,10 @@ use skyfront_core::run::workspace::{self, Workspace};
 use skyfront_core::sky::view::Known;
 use skyfront_core::error::Error;
 use skyfront_core::sky::{self, Mesh, Seen, Sky, Survey, Values};
+use skyfront_core::plane::raster::Raster;
 use skyfront_core::plane::sort::Keys;
+use skyfront_core::run::snapshot::SnapshotError;
+use core::sync::atomic::AtomicU16;
 
 #[unsafe(export_name = "detect_f32")]
 fn in_f32(pixels: &[f32], width: usize, known: Known<'_>, config: &Config, work: Workspace<'_, f32>) -> Result<Found, Error> {
@@ -38,7 +41,27 @@ fn room(width: usize, height: usize, cell: usize) -> [usize; 4] {
 }
 
 #[unsafe(export_name = "extractor")]
-fn with_a_front(run: &mut Extractor<'_, '_, f32>, inside: &[bool]) -> Result<Progress, Error> {
+fn with_a_front(run: &mut Extractor<'_, '_, f32>, inside: &[bool], rows: usize) -> Result<Progress, Error> {
     run.outline(|at| inside.get(at).copied().unwrap_or(false));
-    run.poll()
+    run.poll(rows)
+}
+
+#[unsafe(export_name = "extractor_of_counts")]
+fn of_counts(config: &Config, frame: Raster<'_, AtomicU16>, known: Known<'_>, work: Workspace<'_, Fixed14>, rows: usize) -> Result<Found, Error> {
+    let mut run = Extractor::over(config, frame, known, work)?;
+    loop {
+        if let Progress::Done(found) = run.poll(rows)? {
+            return Ok(found);
+        }
+    }
+}
+
+#[unsafe(export_name = "extractor_saved")]
+fn saved(run: &mut Extractor<'_, '_, f32>, write: fn(&[u8]) -> Result<(), u8>) -> Result<(), u8> {
+    run.save(write)
+}
+
+#[unsafe(export_name = "extractor_restored")]
+fn restored(run: &mut Extractor<'_, '_, f32>, read: fn(&mut [u8]) -> Result<(), u8>) -> Result<(), SnapshotError<u8>> {
+    run.restore(read)
 }

@@ -7,6 +7,7 @@
 
 mod detection;
 mod devices;
+mod packets;
 mod windows;
 
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24, Real};

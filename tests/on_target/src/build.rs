@@ -59,8 +59,11 @@ pub fn compiler() -> Result<String> {
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }
 
-/// Builds programs of the firmware for machines.
+/// Builds programs of the firmware, if any, for machines.
 pub fn programs(names: &[&str], machines: &[Machine]) -> Result<()> {
+    if names.is_empty() {
+        return Ok(());
+    }
     let mut command = vec!["build"];
     names.iter().for_each(|name| command.extend(["--bin", name]));
     cargo(&command, machines, &[]).context("the firmware does not build")

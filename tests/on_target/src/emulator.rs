@@ -32,7 +32,29 @@ pub fn run(machine: &Machine, bin: &str, limit: Duration) -> Result<Report> {
     collect(machine, &image, limit).with_context(|| format!("{bin} on {}", machine.name))
 }
 
-/// The same for an image that lies elsewhere.
+/// What a program did on a machine, and how long it took.
+pub struct Run {
+    /// What it reported, or what was wrong.
+    pub report: Result<Report>,
+    /// Wall time.
+    pub seconds: f64,
+}
+
+/// Runs the program `bin` on all `machines` at a time, each for `limit` at most; one run for each machine, in their order.
+pub fn run_all(machines: &[Machine], bin: &str, limit: Duration) -> Vec<Run> {
+    let timed = |machine: &Machine| {
+        let began = Instant::now();
+        let report = run(machine, bin, limit);
+        Run { report, seconds: began.elapsed().as_secs_f64() }
+    };
+    thread::scope(|scope| {
+        let runs: Vec<_> = machines.iter().map(|machine| scope.spawn(move || timed(machine))).collect();
+        let panicked = || Run { report: Err(anyhow!("{bin}: its thread panicked")), seconds: 0.0 };
+        runs.into_iter().map(|run| run.join().unwrap_or_else(|_| panicked())).collect()
+    })
+}
+
+/// What an image that lies elsewhere reported.
 ///
 /// # Errors
 /// Those of [`run`].

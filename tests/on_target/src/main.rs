@@ -23,6 +23,7 @@ mod resources;
 mod tables;
 
 use anyhow::{Context, Result, bail};
+use emulator::Run;
 use machines::{MACHINES, MEASURED, Machine};
 use report::Report;
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
@@ -32,7 +33,8 @@ use skyfront_workload::sources::Room;
 use skyfront_workload::track;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::thread::ScopedJoinHandle;
+use std::time::Duration;
 
 const PARTS: [&str; 7] = ["host", "digests", "paper", "flight", "track", "resources", "lint"];
 
@@ -57,32 +59,48 @@ fn main() -> Result<()> {
     if wanted("host") {
         problems += host(store)?;
     }
+    build(&wanted)?;
     if wanted("digests") {
-        build::programs(&["digests"], &MACHINES)?;
         let (foreign, own) = golden()?.into_iter().partition(|(name, _)| name.starts_with(FOREIGN));
-        problems += everywhere("digests", &MACHINES, &own);
-        problems += differing("digests of C and C++", foreign::report(LIMIT), &foreign);
+        problems += std::thread::scope(|scope| {
+            // While the emulators run, the library for C is built.
+            let of_c = scope.spawn(|| foreign::report(LIMIT));
+            let problems = everywhere("digests", &MACHINES, &own);
+            problems + differing("digests of C and C++", joined(of_c), &foreign)
+        });
     }
     if wanted("paper") {
-        build::programs(&["paper_size"], &MACHINES[..1])?;
         problems += everywhere("paper_size", &MACHINES[..1], &paper_size());
     }
     if wanted("flight") {
-        build::programs(&["flight"], &MACHINES)?;
         problems += flight();
     }
     if wanted("track") {
-        build::programs(&["track"], &MEASURED)?;
         problems += windows();
     }
     if wanted("resources") {
-        build::programs(&resources::programs(), &MEASURED)?;
         problems += needs(store)?;
     }
     if wanted("lint") {
         build::lint()?;
     }
     verdict(problems)
+}
+
+/// Builds the programs of all parts that are wanted at once: most of the time is linking, one program at a time.
+fn build(wanted: &impl Fn(&str) -> bool) -> Result<()> {
+    let of = |parts: &[(&str, &[&'static str])]| -> Vec<&'static str> {
+        parts.iter().filter(|(part, _)| wanted(part)).flat_map(|(_, programs)| programs.iter().copied()).collect()
+    };
+    let everywhere = of(&[("digests", &["digests"]), ("flight", &["flight"])]);
+    let measured = of(&[("paper", &["paper_size"]), ("track", &["track"]), ("resources", &resources::programs())]);
+    build::programs(&everywhere, &MACHINES)?;
+    build::programs(&measured, &MEASURED)
+}
+
+/// What a thread came to.
+fn joined<T>(thread: ScopedJoinHandle<'_, Result<T>>) -> Result<T> {
+    thread.join().unwrap_or_else(|_| bail!("it panicked"))
 }
 
 fn verdict(problems: usize) -> Result<()> {
@@ -125,26 +143,30 @@ fn host(store: bool) -> Result<usize> {
 /// Runs a program on machines, compares its digests and says what is wrong; returns how much.
 fn everywhere(program: &str, machines: &[Machine], expected: &BTreeMap<String, u32>) -> usize {
     let mut total = 0;
-    for machine in machines {
-        let began = Instant::now();
-        let problems = match emulator::run(machine, program, LIMIT) {
-            Ok(report) => report.differences(expected),
-            Err(error) => vec![format!("{error:#}")],
-        };
-        let (count, seconds) = (expected.len(), began.elapsed().as_secs_f64());
-        println!("{program} on {}: {count} digests, {} problems, {seconds:.1} s", machine.name, problems.len());
+    for (machine, Run { report, seconds }) in machines.iter().zip(emulator::run_all(machines, program, LIMIT)) {
+        let problems = problems_of(report, expected);
+        println!(
+            "{program} on {}: {} digests, {} problems, {seconds:.1} s",
+            machine.name,
+            expected.len(),
+            problems.len()
+        );
         problems.iter().for_each(|problem| println!("  {problem}"));
         total += problems.len();
     }
     total
 }
 
-/// Says what is wrong with a report; returns how much.
-fn differing(what: &str, report: Result<Report>, expected: &BTreeMap<String, u32>) -> usize {
-    let problems = match report {
+fn problems_of(report: Result<Report>, expected: &BTreeMap<String, u32>) -> Vec<String> {
+    match report {
         Ok(report) => report.differences(expected),
         Err(error) => vec![format!("{error:#}")],
-    };
+    }
+}
+
+/// Says what is wrong with a report; returns how much.
+fn differing(what: &str, report: Result<Report>, expected: &BTreeMap<String, u32>) -> usize {
+    let problems = problems_of(report, expected);
     println!("{what}: {} digests, {} problems", expected.len(), problems.len());
     problems.iter().for_each(|problem| println!("  {problem}"));
     problems.len()
@@ -153,8 +175,7 @@ fn differing(what: &str, report: Result<Report>, expected: &BTreeMap<String, u32
 /// Counts what a star tracker's windows take, and holds the Cortex-M7 to its limits.
 fn windows() -> usize {
     let mut problems = 0;
-    for machine in &MEASURED {
-        let report = emulator::run(machine, "track", LIMIT);
+    for (machine, Run { report, .. }) in MEASURED.iter().zip(emulator::run_all(&MEASURED, "track", LIMIT)) {
         let value = |name: &str| report.as_ref().ok()?.resources.get(name).map(|&(value, _)| value);
         let [float, fixed, stack] =
             ["f32/instructions", "q24/instructions", "stack"].map(|name| value(name).unwrap_or(0));

@@ -45,19 +45,25 @@ pub type Table = BTreeMap<String, f64>;
 /// # Errors
 /// When an image cannot be read or run, or uses more stack than its call graph has.
 pub fn measure() -> Result<Table> {
+    let tables = std::thread::scope(|scope| {
+        let tables: Vec<_> = MEASURED.iter().map(|machine| scope.spawn(move || of_machine(machine))).collect();
+        tables.into_iter().map(crate::joined).collect::<Result<Vec<Table>>>()
+    })?;
+    Ok(tables.into_iter().flatten().collect())
+}
+
+fn of_machine(machine: &Machine) -> Result<Table> {
     let mut table = Table::new();
-    for machine in &MEASURED {
-        for (program, title) in PROGRAMS {
-            sizes(machine, program, title, &mut table).with_context(|| format!("{program} on {}", machine.name))?;
-        }
-        let report = emulator::run(machine, COSTS, LIMIT)?;
-        for (name, (instructions, _)) in &report.resources {
-            let name = name.replace('/', " ").to_lowercase();
-            let per_pixel = *instructions as f64 / cost::PIXELS as f64;
-            table.insert(format!("cost {} {name}", machine.name), (per_pixel * 10.0).round() / 10.0);
-        }
-        println!("measured on {}", machine.name);
+    for (program, title) in PROGRAMS {
+        sizes(machine, program, title, &mut table).with_context(|| format!("{program} on {}", machine.name))?;
     }
+    let report = emulator::run(machine, COSTS, LIMIT)?;
+    for (name, (instructions, _)) in &report.resources {
+        let name = name.replace('/', " ").to_lowercase();
+        let per_pixel = *instructions as f64 / cost::PIXELS as f64;
+        table.insert(format!("cost {} {name}", machine.name), (per_pixel * 10.0).round() / 10.0);
+    }
+    println!("measured on {}", machine.name);
     Ok(table)
 }
 

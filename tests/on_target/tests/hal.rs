@@ -4,13 +4,16 @@ use embedded_hal::spi::SpiDevice;
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::Config;
 use skyfront_core::hal::{CHUNK, Heartbeat, MapWriter, MemoryError, MemoryFrame, PixelFormat, PollError, SerialMemory};
+use skyfront_core::run::extract::{self, Extractor};
 use skyfront_core::run::frame::{Frame, SliceFrame};
 use skyfront_core::run::memory::{flags_len, ring_cells};
 use skyfront_core::run::outcome::Progress;
 use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::simulate::{Kind, Sky};
+use skyfront_core::sky::view::Known;
 use skyfront_workload::fram::{Failed, Fault, Fram, Pin};
 use skyfront_workload::run::Planes;
+use skyfront_workload::sources;
 
 const WIDTH: usize = 37;
 const HEIGHT: usize = 12;
@@ -253,6 +256,29 @@ fn the_memory_gives_the_same_result_as_a_slice() {
     while !matches!(run.poll(HEIGHT, &mut SliceFrame(&pixels)).unwrap(), Progress::Done(_)) {}
     let labels: Vec<u32> = run.front().iter().map(|&cell| cell as u32).collect();
     assert_eq!(through_devices(None).labels, labels);
+}
+
+#[test]
+fn a_run_of_the_default_beats_once_a_poll() {
+    let mut room = Box::new(sources::Room::<f32>::BLANK);
+    let (_, _, work) = room.work();
+    let (mut sky, mut pixels) = (Sky::new(Kind::Stars, 7, sources::WIDTH, sources::HEIGHT), Vec::new());
+    for y in 0..sources::HEIGHT {
+        let mut row = [0.0; sources::WIDTH];
+        sky.row(y, &mut row).unwrap();
+        pixels.extend(row);
+    }
+    let mut run = Extractor::new(&Config::NOISE_AWARE, &pixels, sources::WIDTH, Known::default(), work).unwrap();
+    let mut heartbeat = Heartbeat::new(Pin::default(), BEAT);
+    let mut polls = 1;
+    let found = loop {
+        match heartbeat.poll_extractor(&mut run).unwrap() {
+            extract::Progress::Done(found) => break found,
+            _ => polls += 1,
+        }
+    };
+    assert!(found.sources > 0 && polls > 100, "{polls} polls");
+    assert_eq!(heartbeat.release().edges, polls);
 }
 
 #[test]

@@ -97,6 +97,40 @@ static void runs(void)
   is("source", skyfront_run_source(run, 0, &source), SKYFRONT_OK);
   is("column", source.x > 21.5f && source.x < 22.5f, 1);
   is("source", skyfront_run_source(run, 1, &source), SKYFRONT_ERROR_INDEX);
+  uint8_t packet[64];
+  size_t length = 0;
+  skyfront_cursor cursor = {.product = 8};
+  is("no cursor", skyfront_packet_labels(NULL, run, packet, 64, &length), SKYFRONT_ERROR_POINTER);
+  is("no run", skyfront_packet_labels(&cursor, NULL, packet, 64, &length), SKYFRONT_ERROR_POINTER);
+  is("labels", skyfront_packet_labels(&cursor, run, packet, 64, &length), SKYFRONT_OK);
+  is("packet", length > 40 && length <= 64 && memcmp(packet, "SkyD", 4) == 0 && packet[8] == 8, 1);
+  is("columns", packet[16], W);
+}
+
+static void packets(void)
+{
+  static uint8_t packet[SKYFRONT_PACKET_LEAST_BYTES];
+  const skyfront_star star = {.x = 1};
+  const skyfront_window window = {20, 20, 8, 8};
+  const size_t least = sizeof packet;
+  skyfront_cursor cursor = {.product = 8};
+  size_t length = 0;
+  is("short", skyfront_packet_stars(&cursor, &star, 1, packet, least - 1, &length), SKYFRONT_ERROR_LENGTH);
+  is("no stars", skyfront_packet_stars(&cursor, NULL, 1, packet, least, &length), SKYFRONT_ERROR_POINTER);
+  is("no room", skyfront_packet_stars(&cursor, &star, 1, NULL, least, &length), SKYFRONT_ERROR_POINTER);
+  is("no length", skyfront_packet_stars(&cursor, &star, 1, packet, least, NULL), SKYFRONT_ERROR_POINTER);
+  is("not moved", cursor.packet, 0);
+  is("stars", skyfront_packet_stars(&cursor, &star, 1, packet, least, &length), SKYFRONT_OK);
+  is("length", (long)length, 60);
+  is("end", skyfront_packet_stars(&cursor, &star, 1, packet, least, &length), SKYFRONT_OK);
+  is("length", (long)length, 0);
+  cursor = (skyfront_cursor){.product = 9};
+  is("no frame", skyfront_packet_cutouts_u16(&cursor, NULL, W, H, W, &window, 1, packet, least, &length),
+     SKYFRONT_ERROR_POINTER);
+  is("size", skyfront_packet_cutouts_u8(&cursor, bytes, 2, H, W, &window, 1, packet, least, &length),
+     SKYFRONT_ERROR_SIZE);
+  is("cut-out", skyfront_packet_cutouts_u8(&cursor, bytes, W, H, W, &window, 1, packet, least, &length), SKYFRONT_OK);
+  is("pixels", cursor.pixel, 64 - 16 - 4 - 14 - 4);
 }
 
 static void tables(void)
@@ -144,6 +178,7 @@ int main(void)
 {
   windows();
   runs();
+  packets();
   tables();
   sizes();
   is("the standard's check value", skyfront_crc32((const uint8_t *)"123456789", 9) == UINT32_C(0xCBF43926), 1);

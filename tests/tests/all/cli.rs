@@ -1,5 +1,7 @@
 //! The command line as a user meets it: results, messages, exit codes, and nothing half-written.
 
+use skyfront_core::packet::{Cursor, stars};
+use skyfront_core::track::Star;
 use skyfront_tests::command::{Folder, messages, program, skyfront};
 use skyfront_tests::fits_bytes::{Header, samples};
 use std::fs;
@@ -276,4 +278,34 @@ fn bad_usage_is_exit_code_2() {
     fails(&["segment"], 2, "Usage");
     fails(&["segment", "x.fits", "--out", "y", "--scheme", "none"], 2, "scheme");
     fails(&["--no-such-option"], 2, "no-such-option");
+}
+
+#[test]
+fn packets_from_board_are_printed_and_losses_told() {
+    let folder = Folder::new("packets");
+    let (mut cursor, mut out, mut bytes) = (Cursor::new(3), [0; 64], Vec::new());
+    while let Some(length) = stars(&mut cursor, &[Star::EMPTY; 3], &mut out).expect("room for a packet") {
+        bytes.extend(&out[..length]);
+    }
+    let file = folder.file("downlink.bin");
+    let printed = |bytes: &[u8]| {
+        fs::write(&file, bytes).expect("a file");
+        let output = skyfront(["packets", &file]);
+        let lines = String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect::<Vec<_>>();
+        (output.status.code(), lines, messages(&output))
+    };
+    let (code, whole, said) = printed(&bytes);
+    assert_eq!((code, whole.len(), said.as_str()), (Some(0), 3, ""));
+    let star: serde_json::Value = serde_json::from_str(&whole[2]).expect("a line of JSON");
+    assert_eq!((&star["product"], &star["index"]), (&3.into(), &2.into()));
+    let (code, lines, said) = printed(&[&bytes[..60], &bytes].concat());
+    assert_eq!((code, lines.len()), (Some(0), 3), "a repeated packet is no loss: {said}");
+    assert!(said.contains("once more"), "{said}");
+    let (code, lines, said) = printed(&bytes[60..]);
+    assert_eq!((code, &lines[..]), (Some(1), &whole[1..]));
+    assert!(said.contains("packet 0 is lost; 1 of 3 stars are missing"), "{said}");
+    fails(&["packets", &folder.file("absent")], 1, "cannot be read");
+    fs::write(&file, b"SIMPLE").expect("a file");
+    fails(&["packets", &file], 1, "holds no packet");
+    fails(&["packets"], 2, "FILE");
 }

@@ -146,7 +146,7 @@ fn every_preset_passes_on_every_kind_of_sky() {
     let listed = text(&skyfront(["presets"]));
     let names = listed.lines().filter(|line| line.starts_with(char::is_alphabetic));
     let presets: Vec<&str> = names.flat_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(presets.len(), 5, "{presets:?}");
+    assert_eq!(presets.len(), 6, "{presets:?}");
     for (seed, kind) in [("21", "bright"), ("22", "noisy"), ("23", "stars")] {
         let out = folder.file(kind);
         let sky = skyfront(["simulate", "--kind", kind, "--seed", seed, "--side", "44", "--out", &out]);

@@ -294,3 +294,18 @@ fn a_given_noise_is_absolute_and_a_weight_is_relative() {
     assert!((1..=brighter).contains(&found(50.0, false)), "{} of {brighter} bright stars", found(50.0, false));
     assert_eq!(found(500.0, false), 0);
 }
+
+/// In a frame that shows nearly none of it, a source must stand out from the noise that is given.
+#[test]
+fn a_given_noise_that_the_frame_does_not_show_is_believed() {
+    let peaks = [2.2, 2.4, 2.6, 2.7, 3.8, 4.5, 6.0, 9.0];
+    let stars: Vec<_> = (0..8).map(|n| (25.3 + 50.0 * (n % 4) as f32, 50.6 + 100.0 * (n / 4) as f32)).collect();
+    let mut pixels: Vec<f32> = gaussian(91, SIDE * SIDE).iter().map(|noise| 7.0 + 0.01 * noise).collect();
+    stars.iter().zip(peaks).for_each(|(&place, peak)| add_star(&mut pixels, SIDE, place, 1.274, peak));
+    let map = vec![1.0; pixels.len()];
+    for noise in [None, Some(&map[..])] {
+        let mut drive = Drive { noise, ..Drive::default() };
+        let found = segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut drive).expect("it can be segmented");
+        assert_eq!(found.sources.len(), if noise.is_some() { 4 } else { 8 }, "{:?}", found.sources);
+    }
+}

@@ -5,8 +5,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the ground up.
-const ROOMS: [&str; 12] =
-    ["error", "arithmetic", "config", "plane", "sky", "image", "front", "sources", "track", "run", "simulate", "hal"];
+const ROOMS: [&str; 13] = [
+    "error",
+    "arithmetic",
+    "config",
+    "plane",
+    "sky",
+    "image",
+    "front",
+    "sources",
+    "track",
+    "packet",
+    "run",
+    "simulate",
+    "hal",
+];
 
 /// The sources of a crate, `core` or `host`.
 fn sources(krate: &str) -> PathBuf {

@@ -61,6 +61,36 @@ fn filled() -> Vec<f32> {
     sky(Kind::Noisy, 9, WIDTH, HEIGHT).into_iter().enumerate().map(seen).collect()
 }
 
+/// Steep galaxies, each with eight knots that have from a little to three times the light of the galaxy below them.
+fn knots(seed: u64) -> Vec<f32> {
+    const SIDE: usize = 160;
+    let mut pixels: Vec<f32> = gaussian(seed, SIDE * SIDE).into_iter().map(|noise| 100.0 + noise).collect();
+    let draws = gaussian(seed + 1000, 4 * 8);
+    for (galaxy, (cx, cy)) in [(45.3, 44.8), (115.3, 44.8), (45.3, 114.8), (115.3, 114.8)].into_iter().enumerate() {
+        for (at, pixel) in pixels.iter_mut().enumerate() {
+            let (x, y) = ((at % SIDE) as f32, (at / SIDE) as f32);
+            *pixel += 600.0 * (-(x - cx).hypot(y - cy) / 4.0).exp();
+            for knot in 0..8 {
+                let (far, angle) = (10.0 + 1.2 * knot as f32, std::f32::consts::FRAC_PI_4 * knot as f32 + 0.3);
+                let draw = (1.7 + 0.3 * draws[8 * galaxy + knot]).clamp(1.2, 2.2);
+                let light = draw * 600.0 * (-far / 4.0).exp() + 2.0 + draw;
+                let off = (x - cx - far * angle.cos()).hypot(y - cy - far * angle.sin());
+                *pixel += light * (-off * off / (2.0 * 1.2 * 1.2)).exp();
+            }
+        }
+    }
+    pixels
+}
+
+/// Which pixels are opened, and which of them count, is told apart: knots on a slope fall between.
+#[test]
+fn knots_on_galaxies_are_opened_as_the_reference_opens_them() {
+    let config = Config::NOISE_AWARE;
+    for seed in 1..=12 {
+        assert_eq!(differing(&config, &settings(&config), &knots(seed), 160), [""; 0], "seed {seed}");
+    }
+}
+
 #[test]
 fn every_choice_is_the_reference_s() {
     let skies = [

@@ -25,6 +25,10 @@ fn with_skies(name: &str) -> Folder {
         writer.image((side, side), &[], row).expect("the image can be written");
         writer.finish().expect("the file can be closed");
     }
+    let mut writer = Writer::create(Path::new(&folder.file("seed.fits"))).expect("the file can be made");
+    let row = |y, out: &mut [f32]| out.iter_mut().enumerate().for_each(|(x, out)| *out = f32::from((x, y) == (30, 30)));
+    writer.image((BRIGHT.3, BRIGHT.3), &[], row).expect("the map can be written");
+    writer.finish().expect("the file can be closed");
     folder
 }
 
@@ -64,6 +68,12 @@ const CASES: &[Case] = &[
     ("filter", S, "preset=rsa", ["none", "heat"]),
     ("filter", B, "preset=paper-f160", ["heat", "median"]),
     ("filter-steps", B, "preset=paper-f160 filter=median", ["1", "2"]),
+    ("filter", B, "preset=paper-f160", ["median", "median5"]),
+    ("filter", B, "preset=paper-f160 rescale=r1", ["bilateral:0.1", "bilateral:0.01"]),
+    ("filter", B, "preset=paper-f160 rescale=r1", ["tv:0.1", "tv:0.01"]),
+    ("filter-steps", B, "preset=paper-f160 rescale=r1 filter=tv", ["50", "1"]),
+    ("filter", B, "preset=paper-f160 rescale=r1", ["starlet:3", "starlet:10"]),
+    ("filter-steps", B, "preset=paper-f160 rescale=r1 filter=starlet", ["4", "1"]),
     ("filter-steps", B, "preset=paper-f160", ["5", "50"]),
     ("filter-dt", B, "preset=paper-f160", ["1e-4", "2e-3"]),
     ("pm", B, "preset=paper-f160 filter=pm pm-mu=1", ["f1", "f2"]),
@@ -91,6 +101,9 @@ const CASES: &[Case] = &[
     ("start", B, "preset=chan-vese", ["frame", "threshold"]),
     ("start", B, "preset=paper-f160 scheme=fast-marching", ["frame", "threshold"]),
     ("margin", B, "preset=paper-f160 start=threshold", ["1", "4"]),
+    ("motion", B, "preset=paper-f160 start=FOLDER/seed.fits", ["inward", "outward"]),
+    ("degenerate-power", B, "preset=paper-f160 scheme=fd-curvature t-max=2", ["1", "0"]),
+    ("degenerate-power", B, "preset=paper-f160 scheme=sl-curvature t-max=2", ["1", "0"]),
     ("dt", B, "preset=paper-f160", ["0.02", "0.025"]),
     ("dt", B, "preset=paper-f160 scheme=sl", ["0.02", "0.025"]),
     ("dt", B, "preset=paper-f160 scheme=fd-filtered", ["0.02", "0.025"]),
@@ -171,7 +184,7 @@ fn every_setting_changes_a_result_by_option_and_by_file() {
     let folder = with_skies("settings");
     for &(name, file, others, values) in CASES {
         let results = values.map(|value| {
-            let setting = format!("{name}={value}");
+            let (setting, others) = (format!("{name}={value}"), others.replace("FOLDER", &folder.file(".")));
             let settings: Vec<&str> = others.split_whitespace().chain([setting.as_str()]).collect();
             let by_option = found(&folder, file, &as_options(&settings));
             let by_file = found(&folder, file, &as_file(&folder, &settings));
@@ -228,6 +241,7 @@ fn choices_that_cannot_go_together_are_refused_by_option_and_by_file() {
         ("filter=heat", "--filter heat needs --scheme fd"),
         ("filter=pm", "--filter pm needs --scheme fd"),
         ("filter=median", "--filter median needs --scheme fd"),
+        ("filter=starlet", "--filter starlet needs --scheme fd"),
         ("sky=none", "--scheme region needs --sky mesh or frame"),
         ("preset=paper-f160 filter=adaptive", "--filter adaptive needs --sky mesh or frame"),
         ("preset=paper-f160 filter=gauss", "--filter gauss needs --sky mesh or frame"),

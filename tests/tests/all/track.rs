@@ -1,8 +1,14 @@
 //! Windows on made frames: centres at the bound, errors that are true, flags that say what is wrong.
 
+use skyfront::extraction::segment;
+use skyfront::pipeline::Drive;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q24};
+use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::run::memory::bytes;
+use skyfront_core::run::workspace;
+use skyfront_core::sources::catalog::Source;
+use skyfront_core::sources::tree::Region;
 use skyfront_core::track::{BLENDED, BadPixel, Camera, EDGE, HOT, LOST, Raster, SATURATED, Star, Window, track};
 use skyfront_tests::frames::{Light, Random, bound, frame};
 
@@ -221,9 +227,44 @@ fn the_page_for_flight_tells_the_memory_of_a_run() {
     let page = include_str!("../../../core/doc/on-board.md");
     for side in [512, 1024] {
         let [wide, narrow] = [4, 2].map(|cell| bytes(side, side, cell, false, 256));
-        let row = format!("| {side} x {side} | {wide} | {narrow} |");
+        let spare = workspace::regions(side, side) - 2048;
+        let most = workspace::bytes(side, side, Config::STAR_TRACKER.sky.cell());
+        let whole = most - spare * size_of::<Region<f32>>();
+        let row = format!("| {side} x {side} | {whole} | {wide} | {narrow} |");
         assert!(page.contains(&row), "{row}");
     }
+}
+
+/// Stars in a frame, each with a fainter one beside it: all are found, nothing else is, and their places are better
+/// than the default's.
+#[test]
+fn the_preset_for_star_trackers_knows_better_where_stars_are() {
+    const WIDE: usize = 320;
+    let mut random = Random(5);
+    let mut lights = Vec::new();
+    for cell in 0..64 {
+        let (x, y) = ((cell % 8 * 40 + 20) as f64 + random.uniform(), (cell / 8 * 40 + 20) as f64 + random.uniform());
+        let angle = 6.28 * random.uniform();
+        lights.push(Light { x, y, flux: 3000.0 + 20_000.0 * random.uniform() });
+        lights.push(Light { x: x + 4.0 * angle.cos(), y: y + 4.0 * angle.sin(), flux: 250.0 });
+    }
+    let pixels: Vec<f32> = frame(WIDE, &CAMERA, 40.0, &lights, &mut random).into_iter().map(f32::from).collect();
+    let [preset, default] = [Config::STAR_TRACKER, Config::NOISE_AWARE].map(|config| {
+        let found = segment::<F32, f32>(&config, &pixels, WIDE, &mut Drive::default()).expect("a frame");
+        let mut squares = Vec::new();
+        for light in lights.iter().step_by(2) {
+            let distance = |source: &Source| {
+                let (x, y) = source.centroid();
+                (f64::from(x) - light.x).hypot(f64::from(y) - light.y)
+            };
+            squares.push(found.sources.iter().map(distance).fold(f64::INFINITY, f64::min).powi(2));
+        }
+        let off = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        println!("{} sources, places {off:.3} pixels off", found.sources.len());
+        (found.sources.len(), off)
+    });
+    assert_eq!(preset.0, 64, "the stars and nothing else");
+    assert!(preset.1 < 0.75 * default.1, "{preset:?} {default:?}");
 }
 
 #[test]

@@ -82,6 +82,7 @@ fn name_of_plane(stage: Stage) -> Option<&'static str> {
         Stage::Front => Some("front"),
         Stage::Evolve => Some("evolve"),
         Stage::Arrive => Some("arrive"),
+        Stage::Turn => Some("turn"),
         Stage::Measure => Some("labels"),
         _ => None,
     }

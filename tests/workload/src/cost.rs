@@ -54,12 +54,7 @@ static IMAGE_STEPS: [Config; 4] = [
         order: Order::FilterFirst,
         ..BASE
     },
-    Config {
-        normalize: Normalize::Noise { below: 1.0, above: 50.0 },
-        rescale: Rescale::R2 { alpha: 0.3 },
-        filter: Filter::Median,
-        ..BASE
-    },
+    Config { normalize: Normalize::Noise { below: 1.0, above: 50.0 }, rescale: Rescale::R2 { alpha: 0.3 }, ..BASE },
 ];
 
 /// Percentiles and holes for the statistics; a front of two steps.
@@ -141,6 +136,8 @@ pub fn all<A: Arithmetic>(
     let mut one = |config: Config, mask| measure(planes, image, config, mask, &mut count, &mut items);
     IMAGE_STEPS.iter().for_each(|&config| one(config, None));
     RESCALES.iter().for_each(|&rescale| one(Config { rescale, ..BASE }, None));
+    let by_steps = Filter::ALL.iter().filter(|filter| filter.is_stepped());
+    by_steps.for_each(|&filter| one(Config { filter, ..BASE }, None));
     for (scheme, directions) in SCHEMES {
         for band in [None, Some(BAND)] {
             one(Config { directions, band, ..BASE.with_scheme(scheme) }, None);

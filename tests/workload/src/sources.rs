@@ -7,6 +7,7 @@ use skyfront_core::arithmetic::digest;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::plane::mask::mask_words;
+use skyfront_core::plane::raster::{BadPixel, Raster, Sample};
 use skyfront_core::plane::smooth::ROOM_ROWS;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::frame::Frame;
@@ -17,15 +18,20 @@ use skyfront_core::sky::{CELL, Sky, mesh_cells};
 use skyfront_core::sources::tree::Region;
 
 /// Columns of every sky: two cells of the mesh.
-const WIDTH: usize = 100;
+pub const WIDTH: usize = 100;
 /// Rows of every sky.
-const HEIGHT: usize = 72;
+pub const HEIGHT: usize = 72;
 const PIXELS: usize = WIDTH * HEIGHT;
+/// Pixels from a row of a camera's buffer to the next.
+const STRIDE: usize = WIDTH + 12;
+/// Rows of a poll, which have no part in the digests.
+const ROWS: usize = 7;
 
 /// All memory of a run, some 0.3 megabytes.
 #[derive(Debug)]
 pub struct Room<L: Level> {
     pixels: [f32; PIXELS],
+    counts: [u16; STRIDE * HEIGHT],
     levels: [[L; PIXELS]; 3],
     words: [[u32; PIXELS]; 3],
     masked: [u32; mask_words(PIXELS)],
@@ -38,6 +44,7 @@ impl<L: Level> Room<L> {
     /// Memory of zeros, which costs no flash.
     pub const BLANK: Room<L> = Room {
         pixels: [0.0; PIXELS],
+        counts: [0; STRIDE * HEIGHT],
         levels: [[L::BLANK; PIXELS]; 3],
         words: [[0; PIXELS]; 3],
         masked: [0; mask_words(PIXELS)],
@@ -53,14 +60,39 @@ impl<L: Level> Room<L> {
                 let Ok(()) = frame.row(y, row);
             }
             self.one(|what, crc| tell(&[L::NAME, sky, "default", what], crc));
+            self.counts(|what, crc| tell(&[L::NAME, sky, "counts", what], crc));
         }
     }
 
-    fn one(&mut self, mut tell: impl FnMut(&str, u32)) {
+    /// The pixels, the buffer of a camera, and what a run works in.
+    pub fn work(&mut self) -> (&[f32; PIXELS], &mut [u16; STRIDE * HEIGHT], Workspace<'_, L>) {
         let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
-        let Room { pixels, masked, rows, mesh, regions, .. } = self;
+        let Room { pixels, counts, masked, rows, mesh, regions, .. } = self;
         let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
-        let [smooth, front] = match run(pixels, work) {
+        (pixels, counts, work)
+    }
+
+    /// The same sky as a camera has it in its buffer, with two bad pixels.
+    fn counts(&mut self, mut tell: impl FnMut(&str, u32)) {
+        let (pixels, counts, work) = self.work();
+        for (counts, pixels) in counts.chunks_exact_mut(STRIDE).zip(pixels.chunks_exact(WIDTH)) {
+            counts.iter_mut().zip(pixels).for_each(|(count, pixel)| *count = (500.0 + 3000.0 * pixel) as u16);
+        }
+        let bad = [BadPixel { x: 9, y: 3 }, BadPixel { x: 70, y: 50 }];
+        let known = Known { bad: &bad, ..Known::default() };
+        let frame = Raster::new(counts, WIDTH, HEIGHT, STRIDE);
+        match frame.and_then(|frame| run(Extractor::over(&Config::NOISE_AWARE, frame, known, work)?)) {
+            Ok((found, _)) => tell("found", found_digest(&found)),
+            Err(_) => tell("error", 0),
+        }
+        let [.., labels] = &self.words;
+        tell("labels", words(labels.iter().copied()));
+    }
+
+    fn one(&mut self, mut tell: impl FnMut(&str, u32)) {
+        let (pixels, _, work) = self.work();
+        let run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work).and_then(run);
+        let [smooth, front] = match run {
             Ok((found, planes)) => {
                 tell("found", found_digest(&found));
                 planes
@@ -80,15 +112,14 @@ impl<L: Level> Room<L> {
 }
 
 /// What a run found, and the digests of the image that its front starts from and of the front, whose place others take.
-fn run<L: Level>(pixels: &[f32], work: Workspace<'_, L>) -> Result<(Found, [u32; 2]), Error> {
-    let mut run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work)?;
-    let mut planes = [0; 2];
+fn run<L: Level, P: Sample>(mut run: Extractor<'_, '_, L, P>) -> Result<(Found, [u32; 2]), Error> {
+    let mut planes = None;
     loop {
-        match run.poll()? {
-            Progress::Next(Stage::Tree) => {
-                planes = [digest::of_cells(run.image()), words(run.work().labels.iter().copied())];
+        match run.poll(ROWS)? {
+            Progress::Next(Stage::Tree) if planes.is_none() => {
+                planes = Some([digest::of_cells(run.image()), words(run.work().labels.iter().copied())]);
             }
-            Progress::Done(found) => return Ok((found, planes)),
+            Progress::Done(found) => return Ok((found, planes.unwrap_or_default())),
             _ => {}
         }
     }

@@ -1,7 +1,9 @@
-//! Twenty stars in windows of 21 x 21, as a tracker has them: their digests and what they cost.
+//! Twenty stars in windows of 21 x 21, as a tracker has them, and their packets: digests and what they cost.
 
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::arithmetic::digest::Digest;
+use skyfront_core::error::Error;
+use skyfront_core::packet::{Cursor, cutouts, labels, stars};
 use skyfront_core::track::{BadPixel, Camera, Raster, Star, Window, track};
 
 /// Windows of a frame.
@@ -16,6 +18,9 @@ const HEIGHT: usize = ROWS * PITCH;
 const SIDE: u16 = 21;
 /// One pixel that is not to be used, in the flank of a star.
 const BAD: [BadPixel; 1] = [BadPixel { x: 37, y: 12 }];
+
+/// Bytes of a packet: a record of a star does not end with it.
+const PACKET: usize = 200;
 
 const CAMERA: Camera = Camera { black: 60.0, gain: 2.0, read_noise: 8.0, saturation: 4095.0, psf_sigma: 1.0 };
 
@@ -51,21 +56,50 @@ impl Room {
 
     /// Finds the stars of the frame; 0 where the core refuses to.
     pub fn find<A: Arithmetic>(&mut self) -> usize {
-        let windows: [Window; STARS] = core::array::from_fn(|star| {
-            let (x, y) = middle(star);
-            Window { x, y, width: SIDE, height: SIDE }
-        });
+        let windows = windows();
         let Ok(frame) = Raster::new(&self.pixels, WIDTH, HEIGHT, WIDTH) else { return 0 };
         let found = track::<A, u16>(&frame, &windows, &CAMERA, &BAD, &mut self.stars);
         found.map_or(0, |()| self.stars.iter().filter(|star| star.snr > 0.0).count())
     }
 
-    /// Gives `tell` the digest of the records with its name.
+    /// The digest of all packets of stars, labels and cut-outs; what is bright belongs to its square.
+    ///
+    /// # Errors
+    /// What the core refuses.
+    pub fn packets(&self) -> Result<u32, Error> {
+        let (frame, windows) = (Raster::new(&self.pixels, WIDTH, HEIGHT, WIDTH)?, windows());
+        let bright = |at: usize| self.pixels.get(at).is_some_and(|&pixel| pixel > 160);
+        let square = |at: usize| (at / WIDTH / PITCH * COLUMNS + at % WIDTH / PITCH) as u32;
+        let label = |at: usize| if bright(at) { square(at) + 1 } else { 0 };
+        let (mut digest, mut out) = (Digest::default(), [0; PACKET]);
+        let mut sent = |next: &dyn Fn(&mut Cursor, &mut [u8]) -> Result<Option<usize>, Error>| {
+            let mut cursor = Cursor::new(1);
+            while let Some(length) = next(&mut cursor, &mut out)? {
+                digest.bytes(out.get(..length).unwrap_or(&[]));
+            }
+            Ok(())
+        };
+        sent(&|cursor, out| stars(cursor, &self.stars, out))?;
+        sent(&|cursor, out| labels(cursor, (WIDTH as u32, HEIGHT as u32), label, out))?;
+        sent(&|cursor, out| cutouts(cursor, &frame, &windows, out))?;
+        Ok(digest.value())
+    }
+
+    /// Gives `tell` the digests of records and packets with their names.
     pub fn all<A: Arithmetic>(&mut self, mut tell: impl FnMut(&[&str], u32)) {
         self.draw();
         let found = self.find::<A>();
         tell(&[A::NAME, "track", "stars"], if found == STARS { digest(&self.stars) } else { 0 });
+        tell(&[A::NAME, "track", "packets"], self.packets().unwrap_or(0));
     }
+}
+
+/// The windows, each in the middle of its square.
+fn windows() -> [Window; STARS] {
+    core::array::from_fn(|star| {
+        let (x, y) = middle(star);
+        Window { x, y, width: SIDE, height: SIDE }
+    })
 }
 
 /// The middle of a star's square.

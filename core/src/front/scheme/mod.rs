@@ -122,9 +122,10 @@ fn tracked<A: Arithmetic, K: Kernel<A, N> + Copy, const N: usize>(
 }
 
 /// The length of an undivided central difference below which the front counts as flat:
-/// `|D^c| <= degenerate dx`, as `|(r - l) / 2|` in units of the front plane.
+/// `|D^c| <= degenerate dx^degenerate_power`, as `|(r - l) / 2|` in units of the front plane.
 fn flat_limit<A: Arithmetic>(config: &Config, unit: f32) -> A::Real {
-    A::Real::of(config.degenerate * config.dx * config.dx * unit)
+    let slope = (0..config.degenerate_power).fold(config.degenerate, |slope, _| slope * config.dx);
+    A::Real::of(slope * config.dx * unit)
 }
 
 /// The corners of each pixel in a window of three padded rows: below left and right, above left

@@ -2,11 +2,12 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::Arithmetic;
-use crate::config::{Normalize, Rescale, Scheme, Tau};
+use crate::config::{Filter, Normalize, Rescale, Scheme, Tau};
 use crate::error::Error;
 use crate::front::region::{Moments, Regions};
 use crate::front::scheme::Evolve;
 use crate::front::stop::Change;
+use crate::image::filter::starlet::Starlet;
 use crate::image::normalize::Range;
 use crate::image::rescale;
 use crate::plane::tiles::{Tiles, rows_of_tile};
@@ -77,7 +78,18 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 state.reason = if late { StopReason::TimeLimit } else { StopReason::Rest };
                 state.steps = steps.min(most);
             }
-            Stage::Filter if state.pass < u32::from(self.config.filter_steps) => return Ok(()),
+            Stage::Filter => {
+                // A filter that measures does so first.
+                if let Filter::Starlet { .. } = self.config.filter
+                    && Starlet::measures(state.pass.saturating_sub(1))
+                    && let Some(median) = state.select.end_pass(counts)
+                {
+                    (state.noise, state.noise.noise) = (Estimate::NONE, median);
+                }
+                if state.pass < self.config.filter.passes(self.config.filter_steps) {
+                    return Ok(());
+                }
+            }
             Stage::Evolve => {
                 state.steps = state.pass;
                 state.last_change = self.rule.norm(&state.change);
@@ -112,6 +124,10 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             }
             (Stage::Sky | Stage::Threshold, _) => state.noise = Estimate::new(defined, &mut state.select),
             (Stage::Median, _) => state.select = Select::percentile(50.0, defined),
+            (Stage::Filter, _) => {
+                let pixels = self.width.saturating_mul(self.height);
+                state.select = Select::percentile(50.0, u32::try_from(pixels).unwrap_or(u32::MAX));
+            }
             (Stage::Normalize, _) => {
                 if state.range.low >= state.range.high {
                     return Err(Error::Constant { value: state.range.low });

@@ -2,12 +2,12 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::{Normalize, Rescale, Scheme, Start, Tau};
+use crate::config::{Motion, Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
 use crate::front::march::March;
 use crate::front::scheme::{Evolve, Step};
 use crate::front::start;
-use crate::image::filter::AnyFilter;
+use crate::image::filter::{AnyFilter, Measured, Planes};
 use crate::image::normalize;
 use crate::image::rescale::Rescaler;
 use crate::plane::rows::{row_of, row_of_mut};
@@ -59,6 +59,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::StartMark | Stage::StartUp | Stage::StartDown => self.start_row(y),
             Stage::Front => self.front_row(y).map_err(corrupted)?,
             Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => self.march_row(y),
+            Stage::Turn => {
+                for cell in row_of_mut(self.memory.front, width, y) {
+                    *cell = A::to_level(A::Real::ZERO - A::level(*cell));
+                }
+            }
             _ => self.label_row(y).map_err(corrupted)?,
         }
         Ok(())
@@ -75,6 +80,8 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     if !value.is_finite() {
                         return Err("the given front: a value is not finite");
                     }
+                    // Schemes lower the front: one that grows is moved upside down.
+                    let value = if self.config.motion == Motion::Outward { 0.0 - value } else { value };
                     *cell = A::to_level(A::Real::of(self.profile.saturate(value)));
                 }
             }
@@ -187,7 +194,17 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     }
 
     pub(super) fn filter_rows(&mut self, end: usize) {
-        self.sweep_image(&mut AnyFilter::<A>::new(&self.config), end);
+        let (rows, pixels) = (self.state.row..end, self.width.saturating_mul(self.height));
+        let mut planes = Planes {
+            image: self.memory.image.get_mut(..pixels).unwrap_or(&mut []),
+            spare: self.memory.front.get_mut(..pixels).unwrap_or(&mut []),
+            ring: &mut *self.memory.ring,
+            width: self.width,
+        };
+        let (select, counts) = (&self.state.select, &mut *self.memory.counts);
+        let measured = Measured { select, counts, value: self.state.noise.noise };
+        let pass = (self.state.pass, self.config.filter_steps);
+        AnyFilter::<A>::new(&self.config).rows(&mut planes, pass, measured, rows);
     }
 
     pub(super) fn evolve_rows(&mut self, end: usize) {

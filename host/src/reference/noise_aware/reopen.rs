@@ -70,11 +70,16 @@ impl Scene<'_> {
     }
 
     fn host_light(&self, host: &Region, at: usize) -> Option<f64> {
-        let (x, y) = opposite(host.centre, self.place(at));
-        let middle = light(self.image, (x, y))?;
-        let beside = [(x - 0.2, y), (x + 0.2, y), (x, y - 0.2), (x, y + 0.2)];
-        let mirrored = beside.into_iter().filter_map(|place| light(self.image, place)).fold(middle, f64::max);
+        let mirrored = mirrored(self.image, host.centre, self.place(at))?;
         Some(mirrored.max(self.typical.light(host, self.place(at))))
+    }
+
+    /// The most that the host has where its centre is off by 0.2 px.
+    fn most_host_light(&self, host: &Region, at: usize) -> Option<f64> {
+        let (x, y) = opposite(host.centre, self.place(at));
+        let beside = [(x - 0.2, y), (x + 0.2, y), (x, y - 0.2), (x, y + 0.2)];
+        let exact = self.host_light(host, at)?;
+        Some(beside.into_iter().filter_map(|place| light(self.image, place)).fold(exact, f64::max))
     }
 
     /// Whether a pixel has significantly more than so much light.
@@ -141,7 +146,7 @@ impl Scene<'_> {
         let divided = host.divided.map_or(0, |part| regions.labels[part]);
         let second = if beside != 0 { beside } else { divided };
         let explained = |at: usize| {
-            let own = self.host_light(&host, at).unwrap_or(0.0);
+            let own = self.most_host_light(&host, at).unwrap_or(0.0);
             let Some(second_region) = regions.of(second).filter(|_| second != label) else { return own };
             let shown = nearest(self.image, opposite(second_region.centre, self.place(at)));
             if beside == 0 && shown.is_none_or(|shown| regions.labels[shown] != second) {

@@ -181,8 +181,9 @@ fn clump_step(sorted: &[u32], step: f32) -> f32 {
     let inner = sorted.get(count / 100..count - count / 20).unwrap_or(&[]);
     let later = inner.get(count / CLUMP_SHARE..).unwrap_or(&[]);
     let distances = inner.iter().zip(later).map(|(&low, &high)| f32::of_key(high) - f32::of_key(low));
-    // Of numbers that are not below 0 the greatest has the greatest bits.
-    let widest = f32::from_bits(distances.map(f32::to_bits).max().unwrap_or(0));
+    // Of numbers that are not below 0 the greatest has the greatest bits, and what has a sign vector units compare.
+    let widest =
+        f32::from_bits(distances.fold(0, |widest: i32, distance| widest.max(distance.to_bits() as i32)) as u32);
     if count < CLUMPS_FROM || widest <= 1.5 * step {
         return step;
     }

@@ -69,6 +69,11 @@ impl Walk {
         (self.at, self.left) = (0, cells.max(1));
     }
 
+    /// Whether all that is left of the step may be done now, and nothing of the next pass is done.
+    pub fn is_open(&self) -> bool {
+        self.left > usize::MAX / 2 && self.done == self.at && self.next == 0
+    }
+
     /// The next step.
     pub fn end(&mut self) {
         (self.at, self.done, self.next) = (0, 0, 0);

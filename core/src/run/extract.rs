@@ -266,7 +266,8 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
                 separate::tree((walk, crew), growing, grid, inside, (config, noise.photon), &mut work.separation())
             }
             Stage::Deblend => {
-                let divided = separate::deblend(walk, dividing, known, grid, config, noise, &mut work.separation());
+                let divided =
+                    separate::deblend((walk, crew), dividing, known, grid, config, noise, &mut work.separation());
                 divided.and_then(|()| drop_undefined(walk, view, work.labels))
             }
             Stage::Components => {

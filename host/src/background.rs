@@ -1,5 +1,8 @@
 //! Sky background and noise at every pixel, from the core's mesh.
 
+use crate::workers::Threads;
+use skyfront_core::arithmetic::machine::Task;
+use skyfront_core::plane::crew::Crew;
 use skyfront_core::plane::sort::{Keys, SAMPLES};
 use skyfront_core::sky::{CELL, Mesh, Seen, Sky, Values, cell_pixels, mesh_cells};
 
@@ -14,10 +17,18 @@ pub struct SkyMaps {
 
 impl SkyMaps {
     /// The maps of a measured mesh, in planes that are there already, from a column and row of the mesh's frame on.
-    pub fn of(mesh: &Mesh<'_>, width: usize, (left, bottom): (usize, usize), planes: [Vec<f32>; 2]) -> SkyMaps {
+    pub fn of(
+        mesh: &Mesh<'_>,
+        width: usize,
+        (left, bottom): (usize, usize),
+        planes: [Vec<f32>; 2],
+        crew: &impl Crew,
+    ) -> SkyMaps {
         let [mut level, mut noise] = planes;
         let rows = level.chunks_mut(width.max(1)).zip(noise.chunks_mut(width.max(1)));
-        rows.enumerate().for_each(|(y, (level, noise))| mesh.along(left, bottom + y, level, noise));
+        crew.each((bottom..).zip(rows), |(y, (level, noise)): (usize, _)| {
+            crew.wide(Row { mesh, left, y, level, noise });
+        });
         SkyMaps { level, noise }
     }
 
@@ -36,13 +47,31 @@ impl SkyMaps {
         };
         let mut mesh = Mesh::blank(&mut cells, size, CELL);
         mesh.measure(pixels, seen, &values, keys);
-        SkyMaps::of(&mesh, width, (0, 0), [(); 2].map(|()| vec![0.0; pixels.len()]))
+        SkyMaps::of(&mesh, width, (0, 0), [(); 2].map(|()| vec![0.0; pixels.len()]), &Threads(1))
     }
 
     /// The same where `labels` are 0.
     pub fn beside(pixels: &[f32], labels: &[u32], width: usize) -> SkyMaps {
         let masked: Vec<bool> = labels.iter().map(|&label| label != 0).collect();
         SkyMaps::measure(pixels, &masked, width)
+    }
+}
+
+/// A row of both maps, from a column of the mesh's frame on.
+struct Row<'a> {
+    mesh: &'a Mesh<'a>,
+    left: usize,
+    y: usize,
+    level: &'a mut [f32],
+    noise: &'a mut [f32],
+}
+
+impl Task for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.mesh.along(self.left, self.y, self.level, self.noise);
     }
 }
 

@@ -6,11 +6,13 @@ use crate::nothing::without_front;
 use crate::planes::{SignalRoom, most_room_rows};
 use crate::remarks;
 use crate::segmentation::{Drive, Segmentation, StagePlanes};
-use crate::workers::Threads;
+use crate::workers::{Threads, in_groups};
+use skyfront_core::arithmetic::machine::Task;
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 use skyfront_core::image::normalize::Extremes;
+use skyfront_core::plane::crew::Crew;
 use skyfront_core::plane::mask::{Mask, mask_words};
 use skyfront_core::plane::part::Whole;
 use skyfront_core::plane::rows::used;
@@ -135,27 +137,24 @@ fn in_room<A: Arithmetic, L: Level>(
     };
     let SignalRoom { levels: [signal, fine, smooth], labels, mut mesh, regions, .. } = room;
     drop(signal);
-    let observed = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
-    let mut sky =
-        SkyMaps::of(&Mesh::over(&mut mesh, image, config.sky.cell()), width, origin, [fine, smooth].map(in_f32));
+    let mesh = Mesh::over(&mut mesh, image, config.sky.cell());
+    let mut sky = SkyMaps::of(&mesh, width, origin, [fine, smooth].map(in_f32), &crew);
     // Nothing is measured in what was never observed.
-    sky.noise
-        .iter_mut()
-        .zip(pixels)
-        .filter(|(_, pixel)| **pixel == found.values.fill)
-        .for_each(|(noise, _)| *noise = f32::NAN);
-    let mut extremes = Extremes::NONE;
-    let mut row = vec![0.0; width];
-    for pixels in pixels.chunks_exact(width) {
-        row.iter_mut().zip(pixels).for_each(|(out, &pixel)| *out = observed(pixel));
-        extremes.observe(&row);
+    if found.values.filled > 0 {
+        let unseen = sky.noise.iter_mut().zip(pixels).filter(|(_, pixel)| **pixel == found.values.fill);
+        unseen.for_each(|(noise, _)| *noise = f32::NAN);
     }
+    let extremes = extremes_of(pixels, width, &found, &crew);
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
-    for (at, label) in used(&labels) {
-        if let Some(source) = sources.get_mut(label as usize - 1) {
-            source.add((at % width) as u32, (at / width) as u32, pixels[at], extremes.least);
+    in_groups(&mut sources, drive.threads, |first, sources| {
+        for (y, (labels, pixels)) in (0..).zip(labels.chunks_exact(width).zip(pixels.chunks_exact(width))) {
+            for (x, label) in used(labels) {
+                if let Some(source) = (label as usize).checked_sub(first).and_then(|index| sources.get_mut(index)) {
+                    source.add(x as u32, y, pixels[x], extremes.least);
+                }
+            }
         }
-    }
+    });
     let [mut blended, mut plateaus] = [(); 2].map(|()| vec![false; sources.len()]);
     let mark = |of: &mut [bool], label: u32| {
         (label as usize).checked_sub(1).and_then(|index| of.get_mut(index)).into_iter().for_each(|of| *of = true);
@@ -187,6 +186,46 @@ fn in_room<A: Arithmetic, L: Level>(
         remarks: remarks::on(&found, image.0 * image.1),
     };
     Ok(with_front(run, &found, moved))
+}
+
+/// The extremes of the pixels that are observations.
+fn extremes_of(pixels: &[f32], width: usize, found: &Found, crew: &Threads) -> Extremes {
+    /// Rows that a thread takes at a time.
+    const ROWS: usize = 64;
+    let band = (ROWS * width).max(1);
+    let mut bands = vec![Extremes::NONE; pixels.len().div_ceil(band)];
+    crew.each(bands.iter_mut().zip(pixels.chunks(band)), |(extremes, pixels)| {
+        let mut observed = vec![0.0; width];
+        for row in pixels.chunks_exact(width) {
+            let mut row = row;
+            if found.values.filled > 0 {
+                let observe = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
+                observed.iter_mut().zip(row).for_each(|(out, &pixel)| *out = observe(pixel));
+                row = &observed;
+            }
+            crew.wide(Observe { extremes, row });
+        }
+    });
+    bands.into_iter().fold(Extremes::NONE, |all, band| Extremes {
+        least: all.least.min(band.least),
+        greatest: all.greatest.max(band.greatest),
+        defined: all.defined + band.defined,
+    })
+}
+
+/// A row whose extremes are looked for.
+struct Observe<'a> {
+    extremes: &'a mut Extremes,
+    row: &'a [f32],
+}
+
+impl Task for Observe<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.extremes.observe(self.row);
+    }
 }
 
 /// The front of a run, unless somebody takes it.

@@ -88,8 +88,8 @@ impl<L: Level> SignalRoom<L> {
         threads: usize,
     ) -> Self {
         SignalRoom {
-            levels: [(); 3].map(|()| plane(count, L::BLANK)),
-            labels: plane(count, 0),
+            levels: [(); 3].map(|()| in_large_pages(zeros(count))),
+            labels: in_large_pages(vec![0; count]),
             lists: [(); 2].map(|()| vec![0; count]),
             masked: vec![0; mask_words(count)],
             rows: vec![L::BLANK; room_rows(count / columns.max(1), threads) * columns],
@@ -104,6 +104,19 @@ impl<L: Level> SignalRoom<L> {
         let SignalRoom { labels, masked, rows, mesh, regions, .. } = self;
         Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions }
     }
+}
+
+/// A plane of zeros, which the steps are the first to touch.
+fn zeros<L: Level>(count: usize) -> Vec<L> {
+    let zeros = Box::<[L]>::new_zeroed_slice(count);
+    // SAFETY: a level of which all bits are 0 is the number 0, in single precision and in fixed point.
+    unsafe { zeros.assume_init() }.into_vec()
+}
+
+/// A plane that nobody has touched, in large pages where the system has them.
+fn in_large_pages<T>(mut plane: Vec<T>) -> Vec<T> {
+    ask_for_large_pages(&mut plane);
+    plane
 }
 
 /// Regions that are [`Region::BLANK`]. Of a table of zeros the system gives as much as is written to.

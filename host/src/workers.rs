@@ -1,5 +1,7 @@
 //! Work on many things by several threads, with the results in order.
 
+use crate::machine::Native;
+use skyfront_core::arithmetic::machine::{Machine, Task};
 use skyfront_core::plane::crew::Crew;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -40,11 +42,22 @@ pub(crate) fn in_order<M: Default, T: Send>(
     pieces.into_iter().flat_map(|(_, piece)| piece).collect()
 }
 
+/// Lets each thread work on a group of items, of which it is told the first one's number, counted from 1.
+pub(crate) fn in_groups<T: Send>(items: &mut [T], threads: usize, work: impl Fn(usize, &mut [T]) + Sync) {
+    let size = items.len().div_ceil(threads.max(1)).max(1);
+    Threads(threads).each((1..).step_by(size).zip(items.chunks_mut(size)), |(first, items)| work(first, items));
+}
+
 /// So many threads for the core's bands of rows; where one cannot be had, the others do its work.
 #[derive(Clone, Copy, Debug)]
 pub struct Threads(pub usize);
 
 impl Crew for Threads {
+    #[inline(always)]
+    fn wide<T: Task>(&self, row: T) -> T::Output {
+        Native::wide(row)
+    }
+
     fn hands(&self) -> usize {
         self.0.max(1)
     }
@@ -82,6 +95,17 @@ mod tests {
         }
         for threads in [0, 1, 2, 5, 40] {
             assert_eq!(squares(&Threads(threads)), squares(&Alone));
+        }
+    }
+
+    #[test]
+    fn every_item_is_in_one_group() {
+        for (count, threads) in [(0, 2), (1, 3), (10, 0), (10, 1), (10, 3), (10, 40)] {
+            let mut numbers = vec![0; count];
+            in_groups(&mut numbers, threads, |first, numbers| {
+                (first..).zip(numbers).for_each(|(number, place)| *place += number);
+            });
+            assert!(numbers.into_iter().eq(1..=count), "{count} {threads}");
         }
     }
 

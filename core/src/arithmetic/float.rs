@@ -49,8 +49,9 @@ impl Real for f32 {
 
     #[inline(always)]
     fn split(self, limit: usize) -> (usize, f32) {
-        let whole = (self as usize).min(limit);
-        (whole, self - whole as f32)
+        // No side has 2^32 pixels, and 32 bits are converted at once.
+        let whole = (self as u32 as usize).min(limit);
+        (whole, self - whole as u32 as f32)
     }
 }
 

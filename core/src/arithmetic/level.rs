@@ -18,7 +18,7 @@ pub trait Level: Real + Cell + Sealed {
     /// A factor below 128.
     type Weight: Real;
     /// A sum over as many as 2^30 pixels.
-    type Sum: Copy + Debug + PartialOrd + Add<Output = Self::Sum> + Sub<Output = Self::Sum>;
+    type Sum: Copy + Debug + PartialOrd + Add<Output = Self::Sum> + Sub<Output = Self::Sum> + Send + Sync;
 
     /// A word that sorts as the number does.
     fn key(self) -> u32;
@@ -64,7 +64,8 @@ impl Level for f32 {
 
     #[inline(always)]
     fn whole(pixels: usize) -> f32 {
-        pixels as f32
+        // No side has 2^31 pixels.
+        pixels as u32 as f32
     }
 
     #[inline(always)]

@@ -7,6 +7,7 @@
 //! Values of u are kept within [`BAND`], so that all but the surroundings of the front is flat:
 //! there nothing can move, and nothing is computed.
 
+use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
@@ -113,7 +114,7 @@ impl<L: Level> Front<L> {
         let bands = plane.chunks_mut(band).zip(signal.chunks(band)).zip(rings).enumerate();
         crew.each(bands, |(index, ((plane, signal), ring))| {
             let beside = [border((2 * index).checked_sub(1)), border(Some(2 * index + 2))];
-            self.band(part.clone(), signal, plane, ring, beside, grid.width);
+            self.band(part.clone(), signal, plane, ring, beside, (grid.width, crew));
         });
     }
 
@@ -126,7 +127,7 @@ impl<L: Level> Front<L> {
         plane: &mut [u32],
         ring: &mut [L],
         [before, after]: [&[L]; 2],
-        columns: NonZero<usize>,
+        (columns, crew): (NonZero<usize>, &impl Crew),
     ) {
         let width = columns.get();
         let (mut rows, last) = (ring.chunks_exact_mut(width), (plane.len() / columns).saturating_sub(1));
@@ -145,32 +146,9 @@ impl<L: Level> Front<L> {
                 (true, false) => copy(after, above),
                 (true, true) => copy(own, above),
             }
-            self.row(Around([below, own, above]), signal, row_of_mut(plane, width, y));
+            let old = Around([below, own, above]);
+            crew.wide(Row { front: self, old, signal, out: row_of_mut(plane, width, y) });
             (below, own, above) = (own, above, below);
-        }
-    }
-
-    fn row(&self, old: Around<'_, L>, signal: &[L], out: &mut [u32]) {
-        let pieces = (0..).step_by(PIECE).zip(out.chunks_mut(PIECE).zip(signal.chunks(PIECE)));
-        for (first, (out, signal)) in pieces {
-            let mut beyond = [[L::ZERO; WINDOW]; 3];
-            let near = old.window(first, &mut beyond);
-            if is_flat(near) {
-                continue;
-            }
-            let mut force = [L::ZERO; PIECE];
-            force.iter_mut().zip(signal).for_each(|(force, &signal)| *force = within(signal - self.threshold, FORCE));
-            let mut moved = [L::ZERO; PIECE];
-            // Spelled out: the compiler leaves a map over arrays a loop of calls.
-            let [below, own, above] = near;
-            for x in 0..PIECE {
-                let (Some(moved), Some(&force)) = (moved.get_mut(x), force.get(x)) else { break };
-                let (below, own, above) = (three(below, x), three(own, x), three(above, x));
-                let [_, middle, _] = own;
-                let change = self.change([below, own, above], force);
-                *moved = within(middle + change.scaled(L::Weight::of(STEP)), BAND);
-            }
-            out.iter_mut().zip(moved).for_each(|(out, moved)| *out = moved.bits());
         }
     }
 
@@ -186,6 +164,54 @@ impl<L: Level> Front<L> {
             (if outwards { rise } else { fall }).positive()
         };
         force * length(steep(left, right), steep(down, up)) + bend(below, own, above).scaled(self.curvature)
+    }
+}
+
+/// A row that moves, between old ones.
+struct Row<'a, L: Level> {
+    front: &'a Front<L>,
+    old: Around<'a, L>,
+    signal: &'a [L],
+    out: &'a mut [u32],
+}
+
+impl<L: Level> Task for Row<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Row { front, old, signal, out } = self;
+        let pieces = (0..).step_by(PIECE).zip(out.chunks_mut(PIECE).zip(signal.chunks(PIECE)));
+        for (first, (out, signal)) in pieces {
+            let mut beyond = [[L::ZERO; WINDOW]; 3];
+            let near = old.window(first, &mut beyond);
+            if is_flat(near) {
+                continue;
+            }
+            let mut force = [L::ZERO; PIECE];
+            make(&mut force, signal, |signal| within(signal - front.threshold, FORCE));
+            let mut moved = [L::ZERO; PIECE];
+            // Spelled out: the compiler leaves a map over arrays a loop of calls.
+            let [below, own, above] = near;
+            for x in 0..PIECE {
+                let (Some(moved), Some(&force)) = (moved.get_mut(x), force.get(x)) else { break };
+                let (below, own, above) = (three(below, x), three(own, x), three(above, x));
+                let [_, middle, _] = own;
+                let change = front.change([below, own, above], force);
+                *moved = within(middle + change.scaled(L::Weight::of(STEP)), BAND);
+            }
+            make(out, &moved, L::bits);
+        }
+    }
+}
+
+/// Makes each element from its like; of whole pieces the compiler knows how many there are.
+#[inline(always)]
+fn make<T, F: Copy>(to: &mut [T], from: &[F], one: impl Fn(F) -> T) {
+    if let (Some(to), Some(from)) = (to.first_chunk_mut::<PIECE>(), from.first_chunk::<PIECE>()) {
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = one(from));
+    } else {
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = one(from));
     }
 }
 
@@ -226,7 +252,7 @@ fn bend<L: Level>(below: [L; 3], own: [L; 3], above: [L; 3]) -> L {
 }
 
 /// A value kept between minus and plus `most`.
-#[inline]
+#[inline(always)]
 fn within<L: Level>(value: L, most: f32) -> L {
     let most = L::of(most);
     value.least(most).greatest(-most)
@@ -240,8 +266,12 @@ const WINDOW: usize = PIECE + 2;
 fn is_flat<L: Level>(near: [&[L; WINDOW]; 3]) -> bool {
     let [below, own, above] = near;
     let [_, value, ..] = own;
-    let is_one = |row: &[L; WINDOW]| row.iter().fold(true, |one, u| one & (u == value));
-    is_one(own) && is_one(below) && is_one(above)
+    is_one(own, value) && is_one(below, value) && is_one(above, value)
+}
+
+#[inline(always)]
+fn is_one<L: Level>(row: &[L; WINDOW], value: &L) -> bool {
+    row.iter().fold(true, |one, u| one & (u == value))
 }
 
 /// The values at a column of a window and at the next two.

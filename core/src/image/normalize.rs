@@ -20,6 +20,7 @@ impl Extremes {
     pub const NONE: Extremes = Extremes { least: f32::INFINITY, greatest: f32::NEG_INFINITY, defined: 0 };
 
     /// Takes in one row of pixels; NaN and infinities do not count.
+    #[inline(always)]
     pub fn observe(&mut self, row: &[f32]) {
         let (mut least, mut greatest, mut defined) = (i32::MAX, i32::MIN, 0u32);
         for &pixel in row {

@@ -3,6 +3,7 @@
 //! A band is written by one hand only, from what no hand changes meanwhile, so that the bits do not depend on
 //! how many hands there are or which is first.
 
+use crate::arithmetic::machine::Task;
 use crate::plane::grid::Grid;
 
 /// The most bands of a plane.
@@ -13,12 +14,18 @@ const BANDS: usize = 4;
 const LEAST_ROWS: usize = 16;
 
 /// Those who work.
-pub trait Crew {
+pub trait Crew: Sync {
     /// How many work at the same time.
     fn hands(&self) -> usize;
 
     /// Does `work` on every item, in any order and at the same time, and returns when all is done.
     fn each<T: Send>(&self, items: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync);
+
+    /// Runs a row loop, on wider vector units where their processor has them.
+    #[inline(always)]
+    fn wide<T: Task>(&self, row: T) -> T::Output {
+        row.run()
+    }
 
     /// Rows of a band, the same of all but the last; all there are where one works alone.
     fn rows(&self, grid: Grid) -> usize {

@@ -145,7 +145,11 @@ impl<L: Level> Field<'_, L> {
         let width = self.grid.width.get();
         let ((left, part_x), (below, part_y)) = self.cell(place)?;
         let first = below * width + left;
-        let row = |first: usize| self.at(first) * (L::ONE - part_x) + self.at(first + 1) * part_x;
+        let row = |first: usize| {
+            let pair = self.values.get(first..).and_then(<[L]>::first_chunk);
+            let &[left, right] = pair.unwrap_or(&[L::ZERO; 2]);
+            left * (L::ONE - part_x) + right * part_x
+        };
         Some((row(first) * (L::ONE - part_y) + row(first + width) * part_y).positive())
     }
 

@@ -40,10 +40,11 @@ impl Grid {
         let ((x, y), width) = (self.place(at), self.width.get());
         let (left, right, below, above) = (x > 0, x + 1 < width, y > 0, y + 1 < self.height);
         let (under, over) = (at.wrapping_sub(width), at + width);
-        let inside = [left, right, below, above, below & left, below & right, above & left, above & right];
-        // A bit for each that is within the frame.
-        let mut open = inside.iter().rev().fold(0u32, |bits, &inside| bits << 1 | u32::from(inside));
-        open &= (1 << most.min(8)) - 1;
+        // A bit for each; those of a side where the frame ends are taken away.
+        let without = |inside: bool, bits: u32| if inside { 0 } else { bits };
+        let beyond = without(left, 0b0101_0001) | without(right, 0b1010_0010);
+        let beyond = beyond | without(below, 0b0011_0100) | without(above, 0b1100_1000);
+        let mut open = ((1u32 << most.min(8)) - 1) & !beyond;
         let (before, behind) = (under.wrapping_sub(1), over.wrapping_sub(1));
         let near = [at.wrapping_sub(1), at + 1, under, over, before, under.wrapping_add(1), behind, over + 1];
         core::iter::from_fn(move || {

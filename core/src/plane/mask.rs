@@ -18,6 +18,14 @@ impl Mask<'_> {
     pub fn has(&self, at: usize) -> bool {
         self.0.get(at / WORD).is_some_and(|word| word >> (at % WORD) & 1 == 1)
     }
+
+    /// [`WORD`] pixels from the first one on, a bit for each, the lowest for the first.
+    #[inline]
+    pub fn word(&self, first: usize) -> u32 {
+        let word = |at: usize| self.0.get(at).map_or(0, |&word| u64::from(word));
+        let both = word(first / WORD) | word(first / WORD + 1) << WORD;
+        (both >> (first % WORD)) as u32
+    }
 }
 
 /// A mask that is written.
@@ -44,6 +52,8 @@ mod tests {
             let mut words = [0; mask_words(70)];
             MaskMut(&mut words).set(marked);
             assert!((0..200).all(|at| Mask(&words).has(at) == (at == marked)), "{marked}");
+            let bit = |first: usize| 1u32.checked_shl(marked.wrapping_sub(first) as u32).unwrap_or(0);
+            assert!((0..200).all(|first| Mask(&words).word(first) == bit(first)), "{marked}");
         }
         MaskMut(&mut []).set(0);
         assert_eq!(mask_words(64), 2);

@@ -1,5 +1,6 @@
 //! Smoothing of a whole plane by a separable kernel, mirrored at the borders.
 
+use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
@@ -65,9 +66,8 @@ impl Weights {
             let mut next = ring.next(first, start);
             let out = to.chunks_exact_mut(width).skip(start - first);
             for (y, out) in (start..part.end).zip(out) {
-                ring.follow(y, &mut next, |y| row_of(from, width, y));
-                out.fill(L::ZERO);
-                ring.add(y, out, 1.0);
+                ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
+                ring.add(y, out, None, crew);
             }
         });
     }
@@ -101,9 +101,8 @@ impl Weights {
                 let begun = (row * width).div_ceil(WORD)..((row + 1) * width).div_ceil(WORD);
                 words.get_mut(begun).unwrap_or(&mut []).fill(0);
                 let mut mask = MaskMut(words);
-                ring.follow(y, &mut next, |y| row_of(from, width, y));
-                out.fill(L::ZERO);
-                ring.add(y, out, 1.0);
+                ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
+                ring.add(y, out, None, crew);
                 for (x, piece) in (0..).step_by(WORD).zip(out.chunks(WORD)) {
                     if piece.iter().fold(false, |any, &value| any | (value > level)) {
                         let above = (x..).zip(piece).filter(|(_, value)| **value > level);
@@ -138,7 +137,7 @@ impl Weights {
         crew.each(firsts.zip(room.chunks_mut(kept)), |(first, room)| {
             let (end, mut ring) = (first + rows, Ring::new(self, room, first + rows, grid));
             for y in (first.saturating_sub(radius)..first).chain(end..grid.height.min(end + radius)) {
-                ring.smooth(y, row_of(before, width, y));
+                ring.smooth(y, row_of(before, width, y), crew);
             }
         });
         let bands = (0..).step_by(rows).zip(plane.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept));
@@ -147,43 +146,22 @@ impl Weights {
             let (mut ring, start) = (Ring::new(self, room, first + rows, grid), part.start.max(first));
             let mut next = if start == first { first } else { ring.next(first, start) };
             for y in start..part.end.min(first + plane.len() / grid.width) {
-                ring.follow(y, &mut next, |y| row_of(plane, width, y - first));
+                ring.follow(y, &mut next, |y| row_of(plane, width, y - first), crew);
                 let out = row_of_mut(plane, width, y - first);
                 out.iter_mut().for_each(|value| *value = value.scaled(gain));
-                ring.add(y, out, -strength);
+                ring.add(y, out, Some(-strength), crew);
             }
         });
     }
 
     /// The weights beside the centre with their distances.
+    #[inline(always)]
     fn sides(&self) -> impl Iterator<Item = (usize, f32)> {
         self.weights.into_iter().enumerate().take(self.radius + 1).skip(1)
     }
 
-    /// Smooths a row along itself.
-    fn row<L: Level>(&self, row: &[L], out: &mut [L]) {
-        let ([centre, ..], width) = (self.weights, row.len());
-        let centre = L::Weight::of(centre);
-        out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
-        // Within the row by slices, at its ends by the mirror.
-        let inner = width.saturating_sub(2 * self.radius);
-        let end = if inner > 0 { self.radius } else { width };
-        let tap = |(distance, weight): (usize, f32)| {
-            let from = |first: usize| row.get(first..first + inner).unwrap_or(&[]);
-            (from(end.saturating_sub(distance)), from(end + distance), L::Weight::of(weight))
-        };
-        self.add_taps(out.get_mut(end..end + inner).unwrap_or(&mut []), tap);
-        for x in (0..end).chain(end + inner..width) {
-            let Some(out) = out.get_mut(x) else { break };
-            for (distance, weight) in self.sides() {
-                let [below, above] = mirrored(x, distance, width);
-                let at = |x: usize| row.get(x).copied().unwrap_or(L::ZERO);
-                *out = *out + (at(below) + at(above)).scaled(L::Weight::of(weight));
-            }
-        }
-    }
-
     /// Adds what lies at each distance on both sides, two distances in a pass.
+    #[inline(always)]
     fn add_taps<'r, L: Level>(&self, out: &mut [L], tap: impl Fn((usize, f32)) -> Tap<'r, L>) {
         let mut sides = self.sides();
         while let Some(near) = sides.next() {
@@ -223,36 +201,91 @@ impl<'a, L: Level> Ring<'a, L> {
     }
 
     /// Smooths row `y` along itself.
-    fn smooth(&mut self, y: usize, row: &[L]) {
+    fn smooth(&mut self, y: usize, row: &[L], crew: &impl Crew) {
         let place = self.place(y);
-        self.weights.row(row, row_of_mut(self.rows, self.grid.width.get(), place));
+        crew.wide(Along { weights: self.weights, row, out: row_of_mut(self.rows, self.grid.width.get(), place) });
     }
 
     /// Smooths the rows from `next` on that row `y` needs, of those that the band has.
-    fn follow<'r>(&mut self, y: usize, next: &mut usize, row: impl Fn(usize) -> &'r [L])
+    fn follow<'r>(&mut self, y: usize, next: &mut usize, row: impl Fn(usize) -> &'r [L], crew: &impl Crew)
     where
         L: 'r,
     {
         while *next < self.grid.height.min(y + self.weights.radius + 1) {
             let source = row(*next);
             if !source.is_empty() {
-                self.smooth(*next, source);
+                self.smooth(*next, source, crew);
             }
             *next += 1;
         }
     }
 
-    /// Adds `gain` times the smoothed columns to row `y`.
-    fn add(&self, y: usize, out: &mut [L], gain: f32) {
-        let [centre, ..] = self.weights.weights;
-        let row = |y: usize| row_of(self.rows, self.grid.width.get(), self.place(y));
-        let centre = L::Weight::of(gain * centre);
-        out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = *out + value.scaled(centre));
+    /// Adds `gain` times the smoothed columns to row `y`; without a gain these are what it becomes.
+    fn add(&self, y: usize, out: &mut [L], gain: Option<f32>, crew: &impl Crew) {
+        crew.wide(Across { ring: self, y, out, gain });
+    }
+}
+
+/// A row that is smoothed along itself.
+struct Along<'a, L> {
+    weights: &'a Weights,
+    row: &'a [L],
+    out: &'a mut [L],
+}
+
+impl<L: Level> Task for Along<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Along { weights, row, out } = self;
+        let ([centre, ..], radius, width) = (weights.weights, weights.radius, row.len());
+        let centre = L::Weight::of(centre);
+        out.iter_mut().zip(row).for_each(|(out, value)| *out = value.scaled(centre));
+        // Within the row by slices, at its ends by the mirror.
+        let inner = width.saturating_sub(2 * radius);
+        let end = if inner > 0 { radius } else { width };
         let tap = |(distance, weight): (usize, f32)| {
-            let [below, above] = mirrored(y, distance, self.grid.height);
+            let from = |first: usize| row.get(first..first + inner).unwrap_or(&[]);
+            (from(end.saturating_sub(distance)), from(end + distance), L::Weight::of(weight))
+        };
+        weights.add_taps(out.get_mut(end..end + inner).unwrap_or(&mut []), tap);
+        for x in (0..end).chain(end + inner..width) {
+            let Some(out) = out.get_mut(x) else { break };
+            for (distance, weight) in weights.sides() {
+                let [below, above] = mirrored(x, distance, width);
+                let at = |x: usize| row.get(x).copied().unwrap_or(L::ZERO);
+                *out = *out + (at(below) + at(above)).scaled(L::Weight::of(weight));
+            }
+        }
+    }
+}
+
+/// A row to which `gain` times the smoothed columns are added, or which becomes these.
+struct Across<'a, 'r, L> {
+    ring: &'a Ring<'r, L>,
+    y: usize,
+    out: &'a mut [L],
+    gain: Option<f32>,
+}
+
+impl<L: Level> Task for Across<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Across { ring, y, out, gain } = self;
+        let [centre, ..] = ring.weights.weights;
+        let row = |y: usize| row_of(ring.rows, ring.grid.width.get(), ring.place(y));
+        let (is_new, gain) = (gain.is_none(), gain.unwrap_or(1.0));
+        let centre = L::Weight::of(gain * centre);
+        let before = |out: L| if is_new { L::ZERO } else { out };
+        out.iter_mut().zip(row(y)).for_each(|(out, value)| *out = before(*out) + value.scaled(centre));
+        let tap = |(distance, weight): (usize, f32)| {
+            let [below, above] = mirrored(y, distance, ring.grid.height);
             (row(below), row(above), L::Weight::of(gain * weight))
         };
-        self.weights.add_taps(out, tap);
+        ring.weights.add_taps(out, tap);
     }
 }
 
@@ -275,6 +308,7 @@ fn rows_of_part(part: &Range<usize>, of_band: usize, grid: Grid) -> usize {
 /// What lies at a distance on both sides, and its weight.
 type Tap<'r, L> = (&'r [L], &'r [L], <L as Level>::Weight);
 
+#[inline(always)]
 fn add<L: Level>(out: &mut [L], (left, right, weight): Tap<'_, L>) {
     for ((out, left), right) in out.iter_mut().zip(left).zip(right) {
         *out = *out + (*left + *right).scaled(weight);
@@ -282,6 +316,7 @@ fn add<L: Level>(out: &mut [L], (left, right, weight): Tap<'_, L>) {
 }
 
 /// Two taps, one after the other, in one pass.
+#[inline(always)]
 fn add_both<L: Level>(out: &mut [L], near: Tap<'_, L>, far: Tap<'_, L>) {
     for ((((out, below), above), under), over) in out.iter_mut().zip(near.0).zip(near.1).zip(far.0).zip(far.1) {
         *out = *out + (*below + *above).scaled(near.2) + (*under + *over).scaled(far.2);

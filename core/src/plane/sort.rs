@@ -1,22 +1,90 @@
 //! Sorting in bounded time, without a panic: what the standard library's sorts cannot promise.
 //!
-//! Many items are sorted by the bytes of a key above the least one, from the lowest (H. H. Seward 1954; Knuth, The Art of Computer
-//! Programming, 5.2.5): items of one key keep their order. A [`Level`] has a key of
+//! Many items are sorted by the digits of a key above the least one, from the lowest (H. H. Seward 1954; Knuth, The
+//! Art of Computer Programming, 5.2.5): items of one key keep their order. A [`Level`] has a key of
 //! 32 bits; of single precision -0 and +0 are neighbours.
 
 use crate::arithmetic::Level;
-use crate::plane::walk::Walk;
+use crate::plane::walk::{BYTES, Walk};
 use core::ops::Range;
 
-/// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements.
-/// Cost: a look at each item and its key, and two for each byte of the distance from the least key to the greatest.
+/// Values of a byte.
+const BYTES: usize = 1 << u8::BITS;
+/// Bits of a wide digit: three hold every key.
+const WIDE: u32 = 11;
+/// Values of a wide digit.
+const WIDES: usize = 1 << WIDE;
+/// So many items are worth the counts of wide digits.
+const MANY: usize = 1 << 10;
+
+/// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements, and where it has 2048
+/// more many items are sorted by wider digits than bytes.
+/// Cost: a look at each item and its key, and two for each digit of the distance from the least key to the greatest.
 pub fn by_key(items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) {
-    // The whole of it is always done.
-    let _ = by_key_in(&mut Walk::whole(), items, spare, key);
+    let wider = |(least, greatest): (u32, u32), &item: &u32| (key(item).min(least), key(item).max(greatest));
+    let (least, greatest) = items.iter().fold((u32::MAX, 0), wider);
+    let range = greatest.saturating_sub(least);
+    let key = |item: u32| key(item).wrapping_sub(least);
+    let (spare, rest) = spare.split_at_mut_checked(items.len()).unwrap_or_default();
+    match rest.first_chunk_mut::<WIDES>() {
+        Some(places) if items.len() >= MANY => by_digits(items, spare, places, range, key),
+        _ => by_digits(items, spare, &mut [0; BYTES], range, key),
+    }
 }
 
-/// The same in parts.
+/// Sorts by the digits of keys up to `range`, the lowest first; each has as many values as there are `places`.
+fn by_digits<const VALUES: usize>(
+    items: &mut [u32],
+    spare: &mut [u32],
+    places: &mut [u32; VALUES],
+    range: u32,
+    key: impl Fn(u32) -> u32,
+) {
+    let (mut from, mut to, mut is_elsewhere) = (items, spare, false);
+    let shifts = (0..u32::BITS).step_by((VALUES.trailing_zeros() as usize).max(1));
+    for shift in shifts.take_while(|shift| range >> shift > 0) {
+        by_digit(from, to, places, |item| (key(item) >> shift) as usize & (VALUES - 1));
+        core::mem::swap(&mut from, &mut to);
+        is_elsewhere = !is_elsewhere;
+    }
+    if is_elsewhere {
+        to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = *from);
+    }
+}
+
+/// Sorts by a digit.
+#[inline(always)]
+fn by_digit<const VALUES: usize>(
+    from: &[u32],
+    to: &mut [u32],
+    places: &mut [u32; VALUES],
+    digit: impl Fn(u32) -> usize,
+) {
+    places.fill(0);
+    for &item in from {
+        if let Some(count) = places.get_mut(digit(item)) {
+            *count = count.wrapping_add(1);
+        }
+    }
+    let mut before = 0u32;
+    for place in places.iter_mut() {
+        (*place, before) = (before, before.wrapping_add(*place));
+    }
+    for &item in from {
+        if let Some(place) = places.get_mut(digit(item)) {
+            if let Some(out) = to.get_mut(*place as usize) {
+                *out = item;
+            }
+            *place = place.wrapping_add(1);
+        }
+    }
+}
+
+/// The same in parts, by bytes; at once where all may be done now.
 pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) -> Option<()> {
+    if walk.is_open() {
+        return walk.once(items.len(), || by_key(items, spare, key));
+    }
     let (count, spare) = (items.len(), spare.get_mut(..items.len()).unwrap_or(&mut []));
     walk.tally(count, 1, |tally, range| {
         let wider = |(least, greatest): (u32, u32), &item: &u32| (key(item).min(least), key(item).max(greatest));
@@ -35,11 +103,7 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
                 tally.places.fill(0);
             }
             let is_last = range.end > last;
-            for &item in part_of(from, range) {
-                if let Some(count) = tally.places.get_mut(byte(item)) {
-                    *count = count.wrapping_add(1);
-                }
-            }
+            count_bytes(part_of(from, range), &mut tally.places, byte);
             if is_last {
                 let mut before = 0u32;
                 for place in &mut tally.places {
@@ -47,16 +111,7 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
                 }
             }
         })?;
-        walk.tally(count, 1, |tally, range| {
-            for &item in part_of(from, range) {
-                if let Some(place) = tally.places.get_mut(byte(item)) {
-                    if let Some(out) = to.get_mut(*place as usize) {
-                        *out = item;
-                    }
-                    *place = place.wrapping_add(1);
-                }
-            }
-        })?;
+        walk.tally(count, 1, |tally, range| lay(part_of(from, range), to, &mut tally.places, byte))?;
         if is_needed {
             core::mem::swap(&mut from, &mut to);
         }
@@ -67,6 +122,30 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
         let places = to.iter_mut().zip(from.iter()).take(range.end).skip(range.start);
         places.for_each(|(to, from)| *to = *from);
     })
+}
+
+/// Counts the items that have each byte.
+// A function of its own: what it is lent cannot be the same memory.
+#[inline(never)]
+fn count_bytes(items: &[u32], places: &mut [u32; BYTES], byte: impl Fn(u32) -> usize) {
+    for &item in items {
+        if let Some(count) = places.get_mut(byte(item)) {
+            *count = count.wrapping_add(1);
+        }
+    }
+}
+
+/// Lays every item at the place of its byte.
+#[inline(never)]
+fn lay(items: &[u32], to: &mut [u32], places: &mut [u32; BYTES], byte: impl Fn(u32) -> usize) {
+    for &item in items {
+        if let Some(place) = places.get_mut(byte(item)) {
+            if let Some(out) = to.get_mut(*place as usize) {
+                *out = item;
+            }
+            *place = place.wrapping_add(1);
+        }
+    }
 }
 
 fn part_of(items: &[u32], range: Range<usize>) -> &[u32] {
@@ -114,14 +193,7 @@ impl Keys<'_> {
 
     /// The keys of the values, the least first: as many as there is room for.
     pub fn sorted<L: Level>(&mut self, values: impl Iterator<Item = L>) -> &[u32] {
-        let (mut count, mut free) = (0, self.0.iter_mut());
-        // From within, which of nested iterators makes nested loops.
-        values.for_each(|value| {
-            if let Some(out) = free.next() {
-                *out = value.key();
-                count += 1;
-            }
-        });
+        let count = lay_keys(values, self.0);
         self.sort(count)
     }
 
@@ -136,14 +208,8 @@ impl Keys<'_> {
             if range.start == 0 {
                 tally.count = 0;
             }
-            let mut free = self.0.get_mut(tally.count..).unwrap_or(&mut []).iter_mut();
-            // From within, which of nested iterators makes nested loops.
-            values(range).for_each(|value| {
-                if let Some(out) = free.next() {
-                    *out = value.key();
-                    tally.count = tally.count.saturating_add(1);
-                }
-            });
+            let room = self.0.get_mut(tally.count..).unwrap_or(&mut []);
+            tally.count = tally.count.saturating_add(lay_keys(values(range), room));
         })?;
         let count = walk.tally.count.min(self.0.len());
         let keys = self.0.get_mut(..count).unwrap_or(&mut []);
@@ -158,6 +224,19 @@ impl Keys<'_> {
         by_key(keys, self.1, |key| key);
         keys
     }
+}
+
+/// Lays the keys of values where there is room for them; gives their number.
+fn lay_keys<L: Level>(values: impl Iterator<Item = L>, room: &mut [u32]) -> usize {
+    let (mut count, mut free) = (0, room.iter_mut());
+    // From within, which of nested iterators makes nested loops.
+    values.for_each(|value| {
+        if let Some(out) = free.next() {
+            *out = value.key();
+            count += 1;
+        }
+    });
+    count
 }
 
 /// The value of a rank among sorted keys; 0 beyond them.
@@ -197,14 +276,25 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_all_keys_share_change_no_order() {
-        for shared in [0, 0xFF, 0xFF00, 0xFF_0000, 0xFF00_FF00, 0x00FF_FFFF, u32::MAX] {
+    fn digits_that_all_keys_share_change_no_order() {
+        let mut spare = [7; MANY + WIDES];
+        for shared in [0, 0xFF, 0xFF00, 0xFF_0000, 0xFF00_FF00, 0x00FF_FFFF, 0x003F_F800, u32::MAX] {
             let key = |item: u32| item.wrapping_mul(0x9E37_79B1) & !shared;
-            let mut items = core::array::from_fn::<u32, 300, _>(|i| i as u32);
-            let mut expected = items;
-            by_key(&mut items, &mut [0; 300], key);
-            expected.sort_by_key(|&item| key(item));
-            assert_eq!(items, expected, "{shared:x}");
+            // By bytes, with too little room for wide digits, and by these.
+            for (count, room) in [(300, 300), (MANY, MANY + WIDES - 1), (MANY, MANY + WIDES)] {
+                let mut items = core::array::from_fn::<u32, MANY, _>(|i| i as u32);
+                let mut expected = items;
+                by_key(&mut items[..count], &mut spare[..room], key);
+                expected[..count].sort_by_key(|&item| key(item));
+                assert_eq!(items, expected, "{shared:x}, {count} items, room for {room}");
+                let (mut items, mut walk) = (core::array::from_fn::<u32, MANY, _>(|i| i as u32), Walk::whole());
+                let mut sort = |cells: usize| {
+                    walk.resume(cells);
+                    by_key_in(&mut walk, &mut items[..count], &mut spare[..room], key)
+                };
+                while sort(100).is_none() {}
+                assert_eq!(items, expected, "{shared:x}, {count} items in parts");
+            }
         }
     }
 

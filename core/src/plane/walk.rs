@@ -69,6 +69,11 @@ impl Walk {
         (self.at, self.left) = (0, cells.max(1));
     }
 
+    /// Whether all that is left of the step may be done now, and nothing of the next pass is done.
+    pub fn is_open(&self) -> bool {
+        self.left > usize::MAX / 2 && self.done == self.at && self.next == 0
+    }
+
     /// The next step.
     pub fn end(&mut self) {
         (self.at, self.done, self.next) = (0, 0, 0);
@@ -96,7 +101,7 @@ impl Walk {
         let most = self.left.checked_div(cost).unwrap_or(usize::MAX).max(1);
         let start = self.next.min(items);
         let end = start.saturating_add(most).min(items);
-        self.spend((end - start).saturating_mul(cost));
+        self.spend(end.saturating_sub(start).saturating_mul(cost));
         work(&mut self.tally, start..end);
         self.next = end;
         if end < items {
@@ -201,6 +206,8 @@ impl Walk {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::arithmetic_side_effects)]
+
     use super::*;
 
     extern crate std;

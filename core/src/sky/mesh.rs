@@ -4,6 +4,7 @@ use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
 use crate::plane::crew::{Alone, Crew};
 use crate::plane::grid::Grid;
+use crate::plane::mask::WORD;
 use crate::plane::part::{CELL_WORDS, Question, Whole};
 use crate::plane::raster::{Raster, Sample};
 use crate::plane::sort::{self, Keys};
@@ -33,6 +34,31 @@ pub enum Seen {
     Source,
     /// Sky.
     Sky,
+}
+
+/// What some pixels are, a bit for each, the lowest for the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Words {
+    /// Those of which something is known.
+    pub defined: u32,
+    /// Those of sky.
+    pub sky: u32,
+}
+
+impl Words {
+    /// By the number of the bit.
+    pub fn of(seen: impl Fn(usize) -> Seen) -> Words {
+        (0..WORD).rev().map(seen).fold(Words { defined: 0, sky: 0 }, |Words { defined, sky }, seen| Words {
+            defined: defined << 1 | u32::from(seen != Seen::Undefined),
+            sky: sky << 1 | u32::from(seen == Seen::Sky),
+        })
+    }
+
+    /// The first so many of them.
+    fn first(self, count: usize) -> Words {
+        let those = u32::MAX.checked_shl(count as u32).map_or(u32::MAX, |rest| !rest);
+        Words { defined: self.defined & those, sky: self.sky & those }
+    }
 }
 
 /// How a measurement went.
@@ -126,7 +152,8 @@ impl<'m> Mesh<'m> {
         keys: Keys<'_>,
     ) -> Survey {
         let mut survey = Survey::default();
-        let _ = self.step((&mut Walk::whole(), crew), &mut survey, frame, seen, values, keys);
+        let words = |first: usize| Words::of(|bit| seen(first + bit));
+        let _ = self.step((&mut Walk::whole(), crew), &mut survey, frame, words, values, keys);
         survey
     }
 
@@ -136,7 +163,7 @@ impl<'m> Mesh<'m> {
         (walk, crew): (&mut Walk, &impl Crew),
         survey: &mut Survey,
         frame: &Raster<'_, P>,
-        seen: impl Fn(usize) -> Seen + Sync,
+        seen: impl Fn(usize) -> Words + Sync,
         values: &Values,
         mut keys: Keys<'_>,
     ) -> Option<()> {
@@ -171,7 +198,7 @@ impl<'m> Mesh<'m> {
         &mut self,
         crew: &impl Crew,
         frame: &Raster<'_, P>,
-        seen: impl Fn(usize) -> Seen + Sync,
+        seen: impl Fn(usize) -> Words + Sync,
         values: &Values,
         keys: Keys<'_>,
     ) -> [Told; MOST_CELLS] {
@@ -334,6 +361,7 @@ impl<'m> Mesh<'m> {
     }
 
     /// The same for the pixels of row `y` from column `x` on, as many as there is room for.
+    #[inline(always)]
     pub fn along(&self, x: usize, y: usize, level: &mut [f32], noise: &mut [f32]) {
         let (columns, up) = (self.grid.width.get(), Between::new(y, self.grid.height, self.scale.1));
         let cell = |row: usize, column: usize| Self::cell(self.cells, row * columns + column);
@@ -378,22 +406,39 @@ fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4
 fn keys_of_sky<P: Sample>(
     frame: &Raster<'_, P>,
     [left, right, bottom, top]: [usize; 4],
-    seen: &impl Fn(usize) -> Seen,
+    seen: &impl Fn(usize) -> Words,
     keys: &mut Keys<'_>,
 ) -> Count {
     let mut count = Count { all: (right - left) * (top - bottom), ..Count::default() };
+    // Adding 0 gives both zeros one key.
+    let key = |pixel: &P| (pixel.value() + 0.0).key();
     for y in bottom..top {
-        for (at, pixel) in (y * frame.width + left..).zip(frame.part(y, left..right)) {
-            let seen = seen(at);
-            if let Some(free) = keys.0.get_mut(count.sky) {
-                // Adding 0 gives both zeros one key.
-                *free = (pixel.value() + 0.0).key();
+        let pieces = frame.part(y, left..right).chunks(WORD);
+        for (first, pixels) in (y * frame.width + left..).step_by(WORD).zip(pieces) {
+            let Words { defined, sky } = seen(first).first(pixels.len());
+            let free = keys.0.get_mut(count.sky..).unwrap_or(&mut []);
+            if sky.count_ones() as usize == pixels.len() {
+                free.iter_mut().zip(pixels).for_each(|(free, pixel)| *free = key(pixel));
+            } else {
+                lay(pixels.iter().map(key), sky, free);
             }
-            count.defined += usize::from(seen != Seen::Undefined);
-            count.sky += usize::from(seen == Seen::Sky);
+            count.defined += defined.count_ones() as usize;
+            count.sky += sky.count_ones() as usize;
         }
     }
     count
+}
+
+/// Lays the keys that have their bit, without asking for each.
+fn lay(keys: impl Iterator<Item = u32>, mut bits: u32, free: &mut [u32]) {
+    let mut next = 0;
+    for key in keys {
+        if let Some(free) = free.get_mut(next) {
+            *free = key;
+        }
+        next += (bits & 1) as usize;
+        bits >>= 1;
+    }
 }
 
 /// The pixels of a cell, row by row.

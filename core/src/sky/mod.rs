@@ -23,6 +23,7 @@ pub(crate) mod values;
 pub mod view;
 
 pub use clipped::{LEAST_PIXELS, clipped};
+pub(crate) use mesh::Words;
 pub use mesh::{CELL, MOST_CELLS, Mesh, Seen, Survey, cell_pixels, cells_along, mesh_cells};
 pub use values::Values;
 

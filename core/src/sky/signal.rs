@@ -1,6 +1,7 @@
 //! The signal-to-noise of a frame, smoothed, and the mask of its sources.
 
 use crate::arithmetic::codec::Codec;
+use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::grid::Grid;
@@ -14,7 +15,7 @@ use crate::plane::walk::Walk;
 use crate::sky::spike::clean;
 use crate::sky::tail::Tail;
 use crate::sky::view::{Known, View};
-use crate::sky::{Mesh, Seen, Sky, Survey};
+use crate::sky::{Mesh, Seen, Sky, Survey, Words};
 use core::ops::Range;
 
 /// Smoothing goes on where the change is below this, in its noise.
@@ -94,8 +95,12 @@ pub(crate) fn measure<L: Level, P: Sample>(
         (true, true) => Seen::Sky,
     };
     let mut mesh = Mesh::over(work.mesh, view.image(), cell);
+    let words = |first: usize| match all_defined {
+        true => Words { defined: u32::MAX, sky: !masked.word(first) },
+        false => Words::of(|bit| seen(first + bit)),
+    };
     match known.whole {
-        None => mesh.step((walk, crew), &mut measured.survey, &frame, seen, &values, keys.again())?,
+        None => mesh.step((walk, crew), &mut measured.survey, &frame, words, &values, keys.again())?,
         // Nothing can be done before it is known.
         Some(whole) => match mesh.asked((whole, round), &frame, seen, &values, keys.again()) {
             Some(survey) => measured.survey = survey,
@@ -123,7 +128,7 @@ pub(crate) fn measure<L: Level, P: Sample>(
         let bands = bands_of(&part, band, width, work.fine).zip(&mut seen_in);
         crew.each(bands, |((first, band), read)| {
             for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
-                signal_row(view, y, (&mesh, (left, bottom)), factor, out, read);
+                crew.wide(SignalRow { view, y, mesh: &mesh, origin: (left, bottom), factor, out, read });
             }
         });
         let sum = |sum: u32, other: &Read| sum.wrapping_add(other.checksum.wrapping_sub(read.checksum));
@@ -179,41 +184,50 @@ const PIECE: usize = 256;
 
 /// Signal-to-noise of row `y`, 0 where a pixel is undefined or has no noise. The mesh is read from a
 /// column and row of its frame on; noise that is given counts `factor` times.
-fn signal_row<L: Level, P: Sample>(
-    view: &View<'_, P>,
+struct SignalRow<'a, L, P> {
+    view: &'a View<'a, P>,
     y: usize,
-    (mesh, (left, bottom)): (&Mesh<'_>, (usize, usize)),
+    mesh: &'a Mesh<'a>,
+    origin: (usize, usize),
     factor: f32,
-    out: &mut [L],
-    read: &mut Read,
-) {
-    let &View { frame, grid, values, .. } = view;
-    let (width, mut noise_seen) = (grid.width.get(), false);
-    let pieces = frame.row(y).chunks(PIECE).zip(out.chunks_mut(PIECE));
-    for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
-        let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
-        let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
-        let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
-        mesh.along(left + x, bottom + y, level, noise);
-        if let Some(map) = view.known.background {
-            level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
-        }
-        if let Some(map) = view.known.noise {
-            let noise = noise.iter_mut().zip(from(map, width, x, y));
-            noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
-        }
-        for ((((out, pixel), &level), &noise), x) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise).zip(x..) {
-            let pixel = pixel.value();
-            if P::CHANGES {
-                read.checksum = read.checksum.wrapping_add(mixed((y * width + x) as u32, pixel));
+    out: &'a mut [L],
+    read: &'a mut Read,
+}
+
+impl<L: Level, P: Sample> Task for SignalRow<'_, L, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let SignalRow { view, y, mesh, origin: (left, bottom), factor, out, read } = self;
+        let &View { frame, grid, values, .. } = view;
+        let (width, mut noise_seen) = (grid.width.get(), false);
+        let pieces = frame.row(y).chunks(PIECE).zip(out.chunks_mut(PIECE));
+        for (x, (pixels, out)) in (0..).step_by(PIECE).zip(pieces) {
+            let (mut level, mut noise) = ([0.0; PIECE], [0.0; PIECE]);
+            let level = level.get_mut(..pixels.len()).unwrap_or(&mut []);
+            let noise = noise.get_mut(..pixels.len()).unwrap_or(&mut []);
+            mesh.along(left + x, bottom + y, level, noise);
+            if let Some(map) = view.known.background {
+                level.iter_mut().zip(from(map, width, x, y)).for_each(|(level, known)| *level = *known);
             }
-            let signal = (pixel - level) / noise;
-            let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
-            noise_seen |= usable;
-            *out = L::of(if usable { signal } else { 0.0 });
+            if let Some(map) = view.known.noise {
+                let noise = noise.iter_mut().zip(from(map, width, x, y));
+                noise.for_each(|(noise, known)| *noise = if known.is_finite() { factor * known } else { f32::NAN });
+            }
+            for ((((out, pixel), &level), &noise), x) in out.iter_mut().zip(pixels).zip(&*level).zip(&*noise).zip(x..) {
+                let pixel = pixel.value();
+                if P::CHANGES {
+                    read.checksum = read.checksum.wrapping_add(mixed((y * width + x) as u32, pixel));
+                }
+                let signal = (pixel - level) / noise;
+                let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
+                noise_seen |= usable;
+                *out = L::of(if usable { signal } else { 0.0 });
+            }
         }
+        read.has_noise |= noise_seen;
     }
-    read.has_noise |= noise_seen;
 }
 
 /// Row `y` of a map from column `x` on.
@@ -326,8 +340,12 @@ pub(crate) fn mask_sources<L: Level, P: Sample>(
             for piece in part {
                 let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
                 let end = marks.len().min(first + MARKS);
-                let is_open = |marks: &[L]| marks.iter().fold(false, |any, &mark| any | (mark == perhaps));
-                if marks.get(first..end).is_some_and(is_open) {
+                let has = |piece: &[L], wanted: L| piece.iter().fold(false, |any, &mark| any | (mark == wanted));
+                let is_open = marks.get(first..end).is_some_and(|piece| has(piece, perhaps));
+                // With a pixel on every side; where the plane ends there may be a source.
+                let beside = |start: Option<usize>| marks.get(start?..)?.get(..MARKS + 2);
+                let rows = || [first.checked_sub(width + 1), first.checked_sub(1), (first + width).checked_sub(1)];
+                if is_open && rows().into_iter().any(|start| beside(start).is_none_or(|piece| has(piece, source))) {
                     for index in first..end {
                         let index = if backwards { end - 1 - (index - first) } else { index };
                         mark_beside(marks, index, grid);
@@ -337,8 +355,8 @@ pub(crate) fn mask_sources<L: Level, P: Sample>(
         })?;
     }
     walk.pass(grid.height, width, |rows| {
-        for mark in rows_of_mut(marks, &rows, width).iter_mut().filter(|mark| **mark < source) {
-            *mark = L::ZERO;
+        for mark in rows_of_mut(marks, &rows, width) {
+            *mark = if *mark < source { L::ZERO } else { *mark };
         }
     })?;
     walk.pass(grid.height, 2 * width, |rows| {

@@ -26,7 +26,7 @@ pub fn clean<L: Level>(rows: [&[L]; 3], out: &mut [L]) {
 }
 
 /// Pixels of a row that are looked at together.
-const PIECE: usize = 16;
+const PIECE: usize = 64;
 
 /// The value at `x` of the middle of three rows: its own, or where it is a spike the median of its neighbours.
 fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {

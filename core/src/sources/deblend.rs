@@ -2,8 +2,10 @@
 //! at a border each pixel goes to the source that has the most light there.
 
 use crate::arithmetic::codec::Codec;
+use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::config::Connectivity;
+use crate::plane::crew::Crew;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
 use crate::plane::rows::{last_with, next_with};
@@ -344,7 +346,7 @@ impl Contest {
 /// of two neighbours the one with less light in all owns a pixel where the value is more than
 /// `OTHER` times the other's own light. Where that is not known, the pixel stays.
 pub(crate) fn compete<L: Level>(
-    walk: &mut Walk,
+    (walk, crew): (&mut Walk, &impl Crew),
     contest: &mut Contest,
     field: Field<'_, L>,
     labels: &mut [u32],
@@ -358,17 +360,30 @@ pub(crate) fn compete<L: Level>(
             contest.has_changed = false;
         })?;
         walk.pass(if contest.is_settled { 0 } else { count }, 1, |part| {
+            let Contest { has_changed, .. } = contest;
+            let mut piece = |labels: &mut [u32], cells: Range<usize>| {
+                if crew.wide(Piece { labels, grid: field.grid, first: cells.start, length: cells.len() }) {
+                    return;
+                }
+                for index in cells.clone() {
+                    let at = if sweep % 2 == 0 { index } else { cells.end - 1 - (index - cells.start) };
+                    if label_at(labels, at) != 0 {
+                        *has_changed |= changes_owner(field, labels, regions, at);
+                    }
+                }
+            };
             if sweep % 2 == 0 {
                 let mut next = part.start;
                 while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
-                    next = at + 1;
-                    contest.has_changed |= changes_owner(field, labels, regions, at);
+                    next = part.end.min(at + PIECE);
+                    piece(labels, at..next);
                 }
             } else {
                 let (low, mut end) = (count - part.end, count - part.start);
                 while let Some(at) = last_with(labels.get(low..).unwrap_or(&[]), end - low, u32::MAX) {
-                    end = low + at;
-                    contest.has_changed |= changes_owner(field, labels, regions, end);
+                    let last = low + at + 1;
+                    end = low.max(last.saturating_sub(PIECE));
+                    piece(labels, end..last);
                 }
             }
         })?;
@@ -403,6 +418,43 @@ fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[R
     }
 }
 
+/// A piece of the plane, as the question whether no source's pixel of it touches another along an edge; where the plane
+/// ends it may not be told.
+struct Piece<'a> {
+    labels: &'a [u32],
+    grid: Grid,
+    first: usize,
+    length: usize,
+}
+
+impl Task for Piece<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Piece { labels, grid, first, length } = self;
+        if length < PIECE {
+            return false;
+        }
+        let piece = |first: Option<usize>| labels.get(first?..)?.first_chunk::<PIECE>();
+        let Some(own) = piece(Some(first)) else { return false };
+        if own.iter().fold(0, |any, label| any | label) == 0 {
+            return true;
+        }
+        let width = grid.width.get();
+        let (left, right) = (piece(first.checked_sub(1)), piece(Some(first + 1)));
+        let (below, above) = (piece(first.checked_sub(width)), piece(Some(first + width)));
+        let (Some(left), Some(right), Some(below), Some(above)) = (left, right, below, above) else { return false };
+        let mut any = false;
+        for near in [left, right, below, above] {
+            for (&own, &near) in own.iter().zip(near) {
+                any |= (own != 0) & (near != 0) & (near != own);
+            }
+        }
+        !any
+    }
+}
+
 /// Whether a pixel within the frame touches no other source along an edge.
 fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
     let (width, x, y, own) = (width.get(), at % width, at / width, label_at(labels, at));
@@ -413,16 +465,22 @@ fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
 
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
 /// pixels around it have. `old` has room for two rows; in less than three rows no pixel has six neighbours of another.
-pub(crate) fn straighten(walk: &mut Walk, labels: &mut [u32], old: &mut [u32], grid: Grid, steps: u32) -> Option<()> {
+pub(crate) fn straighten(
+    (walk, crew): (&mut Walk, &impl Crew),
+    labels: &mut [u32],
+    old: &mut [u32],
+    grid: Grid,
+    steps: u32,
+) -> Option<()> {
     let width = grid.width.get();
     for _ in 0..steps {
-        walk.pass(grid.height, width, |rows| straighten_rows(rows, labels, old, width))?;
+        walk.pass(grid.height, width, |rows| straighten_rows(rows, labels, old, width, crew))?;
     }
     Some(())
 }
 
 /// Straightens some rows that go on where others ended.
-fn straighten_rows(rows: Range<usize>, labels: &mut [u32], old: &mut [u32], width: usize) {
+fn straighten_rows(rows: Range<usize>, labels: &mut [u32], old: &mut [u32], width: usize, crew: &impl Crew) {
     let Some((mut below, rest)) = old.split_at_mut_checked(width) else { return };
     let Some(mut own) = rest.get_mut(..width) else { return };
     if rows.start % 2 == 1 {
@@ -433,7 +491,7 @@ fn straighten_rows(rows: Range<usize>, labels: &mut [u32], old: &mut [u32], widt
         let Some((row, above)) = rest.split_at_mut_checked(width) else { break };
         own.iter_mut().zip(row.iter()).for_each(|(own, label)| *own = *label);
         if let (true, Some(above)) = (y > 0, above.get(..width)) {
-            straighten_row(row, [below, own, above]);
+            crew.wide(Row { labels: row, old: [below, own, above] });
         }
         (below, own, rest) = (own, below, above);
     }
@@ -442,31 +500,72 @@ fn straighten_rows(rows: Range<usize>, labels: &mut [u32], old: &mut [u32], widt
 /// Pixels of a row that are looked at together.
 const PIECE: usize = 16;
 
-/// Straightens a row between its neighbours, all as they were before.
-fn straighten_row(labels: &mut [u32], rows: [&[u32]; 3]) {
-    for (first, labels) in (0..).step_by(PIECE).zip(labels.chunks_mut(PIECE)) {
-        if is_one(rows, first, labels.len()) {
-            continue;
-        }
-        for (x, label) in (first..).zip(labels) {
-            let near = |row: &[u32]| row.get(x.wrapping_sub(1)..)?.first_chunk::<3>().copied();
-            let [below, own, above] = rows;
-            if let (Some(below), Some(own), Some(above)) = (near(below), near(own), near(above))
-                && let Some(other) = straighter([below, own, above])
-            {
-                *label = other;
+/// A row that is straightened between its neighbours, all as they were before.
+struct Row<'a> {
+    labels: &'a mut [u32],
+    old: [&'a [u32]; 3],
+}
+
+impl Task for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [below, own, above] = self.old;
+        for (first, labels) in (0..).step_by(PIECE).zip(self.labels.chunks_mut(PIECE)) {
+            if !all_stay(self.old, first) {
+                straighten_piece(labels, first, [below, own, above]);
             }
         }
     }
 }
 
-/// Whether a piece of the middle row and all around it has one label: most of an image has none.
-fn is_one(rows: [&[u32]; 3], first: usize, length: usize) -> bool {
-    let [_, own, _] = rows;
-    let label = label_at(own, first);
-    let (start, end) = (first.saturating_sub(1), own.len().min(first + length + 1));
-    let all = |piece: &[u32]| piece.iter().fold(true, |all, &near| all & (near == label));
-    rows.iter().filter_map(|row| row.get(start..end)).all(all)
+/// Straightens a piece of a row that begins at a column.
+fn straighten_piece(labels: &mut [u32], first: usize, [below, own, above]: [&[u32]; 3]) {
+    for (x, label) in (first..).zip(labels) {
+        let near = |row: &[u32]| row.get(x.wrapping_sub(1)..)?.first_chunk::<3>().copied();
+        if let (Some(below), Some(own), Some(above)) = (near(below), near(own), near(above))
+            && let Some(other) = straighter([below, own, above])
+        {
+            *label = other;
+        }
+    }
+}
+
+/// Whether every pixel of a whole piece has three neighbours of its own, which are enough to stay; at the ends of a
+/// row it may not be told.
+#[inline(always)]
+fn all_stay([below, own, above]: [&[u32]; 3], first: usize) -> bool {
+    let Some(first) = first.checked_sub(1) else { return false };
+    let [Some(below), Some(own), Some(above)] = [window(below, first), window(own, first), window(above, first)] else {
+        return false;
+    };
+    let mut same = [0; PIECE];
+    for row in [below, own, above] {
+        add_same(&mut same, row, own);
+    }
+    // Each is its own neighbour here.
+    same.iter().fold(true, |all, &same| all & (same > 3))
+}
+
+/// A piece with a column on either side.
+const WINDOW: usize = PIECE + 2;
+
+#[inline(always)]
+fn window(row: &[u32], first: usize) -> Option<&[u32; WINDOW]> {
+    row.get(first..)?.first_chunk()
+}
+
+/// Counts which of the three pixels of a row around each column have the label of the middle row's pixel.
+#[inline(always)]
+fn add_same(same: &mut [u32; PIECE], row: &[u32; WINDOW], own: &[u32; WINDOW]) {
+    for (x, same) in same.iter_mut().enumerate() {
+        let at = |row: &[u32; WINDOW], x: usize| row.get(x).copied().unwrap_or(0);
+        let label = at(own, x + 1);
+        *same += u32::from(at(row, x) == label);
+        *same += u32::from(at(row, x + 1) == label);
+        *same += u32::from(at(row, x + 2) == label);
+    }
 }
 
 /// The label that the pixel in the middle takes, if it is not its own.

@@ -126,8 +126,18 @@ fn set(plane: &mut [u32], at: u32, to: u32) {
 
 /// Makes marks of the pixels of some rows that are inside the front and have a signal, and 0 of the others.
 fn mark_inside<L: Level>(has_signal: impl Fn(usize) -> bool, rows: Range<usize>, width: usize, front: &mut [u32]) {
-    for (at, label) in (rows.start * width..).zip(rows_of_mut(front, &rows, width)) {
-        *label = if L::from_bits(*label) > L::ZERO && has_signal(at) { INSIDE } else { 0 };
+    /// Pixels that are looked at together.
+    const PIECE: usize = 32;
+    let is_inside = |bits: u32| L::from_bits(bits) > L::ZERO;
+    let pieces = rows_of_mut(front, &rows, width).chunks_mut(PIECE);
+    for (first, front) in (rows.start * width..).step_by(PIECE).zip(pieces) {
+        if front.iter().fold(false, |any, &bits| any | is_inside(bits)) {
+            for (at, label) in (first..).zip(front) {
+                *label = if is_inside(*label) && has_signal(at) { INSIDE } else { 0 };
+            }
+        } else {
+            front.fill(0);
+        }
     }
 }
 
@@ -196,7 +206,7 @@ impl<L: Level> Dividing<L> {
 /// neighbours compete for the pixels between them, and leaves each label one connected piece. Ends where other
 /// parts of the image have yet to answer. `dividing` has the count of the regions.
 pub(crate) fn deblend<L: Level>(
-    walk: &mut Walk,
+    (walk, crew): (&mut Walk, &impl Crew),
     dividing: &mut Dividing<L>,
     whole: Option<&dyn Whole>,
     grid: Grid,
@@ -222,9 +232,9 @@ pub(crate) fn deblend<L: Level>(
     let regions = work.regions.get_mut(..opening.count.regions).unwrap_or(&mut []);
     for _ in 0..COMPETITIONS {
         shape(walk, field, work.labels, regions)?;
-        compete(walk, contest, field, work.labels, regions, SWEEPS)?;
+        compete((walk, crew), contest, field, work.labels, regions, SWEEPS)?;
     }
-    straighten(walk, work.labels, work.order, grid, STRAIGHTENINGS)?;
+    straighten((walk, crew), work.labels, work.order, grid, STRAIGHTENINGS)?;
     connect(walk, joining, grid, work.labels, work.order, regions)
 }
 

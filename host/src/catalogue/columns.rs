@@ -350,8 +350,21 @@ fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-5..1e15).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+    // Of up to 15 digits these are the fewest that tell the number: no shorter ones need be looked for.
+    let text = format!("{value:.*e}", digits - 1);
+    let Some((mantissa, exponent)) = text.split_once('e') else { return text };
+    let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+    let Ok(exponent @ -5..15) = exponent.parse::<i32>() else { return format!("{mantissa}e{exponent}") };
+    let (sign, digits) = mantissa.strip_prefix('-').map_or(("", mantissa), |digits| ("-", digits));
+    let (first, rest) = digits.split_once('.').unwrap_or((digits, ""));
+    let point = exponent.unsigned_abs() as usize;
+    if exponent < 0 {
+        format!("{sign}0.{}{first}{rest}", "0".repeat(point - 1))
+    } else if let Some((whole, part)) = rest.split_at_checked(point).filter(|(_, part)| !part.is_empty()) {
+        format!("{sign}{first}{whole}.{part}")
+    } else {
+        format!("{sign}{first}{rest}{}", "0".repeat(point - rest.len()))
+    }
 }
 
 /// Whether a column is a magnitude.
@@ -371,6 +384,24 @@ mod tests {
         assert_eq!(significant(1.5e-19, 9), "1.5e-19");
         assert_eq!(significant(f64::NAN, 9), "");
         assert_eq!(significant(-0.0, 9), "-0");
+        assert_eq!(significant(9.999_999_999e14, 9), "1e15");
+    }
+
+    #[test]
+    fn numbers_are_as_short_as_the_standard_library_makes_them() {
+        let mut state = 1u64;
+        for exponent in -9..18 {
+            for digits in [1, 2, 9, 12, 15] {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let whole = (state >> 11) as f64 / (1u64 << 53) as f64 * 10f64.powi(exponent);
+                for value in [whole, -whole, whole.round(), 10f64.powi(exponent), -3.0 * 10f64.powi(exponent)] {
+                    let near: f64 = format!("{value:.*e}", digits - 1).parse().expect("a number");
+                    let plain = near == 0.0 || (1e-5..1e15).contains(&near.abs());
+                    let expected = if plain { near.to_string() } else { format!("{near:e}") };
+                    assert_eq!(significant(value, digits), expected, "{value} in {digits} digits");
+                }
+            }
+        }
     }
 
     #[test]

@@ -70,6 +70,7 @@ impl Aperture {
 
     /// Calls `each` with every pixel of the image that may lie inside; whether the bounding box
     /// lies within the image. Cost: the pixels inside and along the border, and the rows.
+    #[inline(always)]
     pub(super) fn visit(&self, width: usize, height: usize, mut each: impl FnMut(Spot)) -> bool {
         let range = |centre: f64, (low, high): (f64, f64), n: usize| {
             let (low, high) = ((centre + low + 0.5).floor(), (centre + high + 0.5).ceil());
@@ -78,9 +79,10 @@ impl Aperture {
         let (_, inside_x) = range(self.x, (-self.half.0, self.half.0), width);
         let (rows, inside_y) = range(self.y, (-self.half.1, self.half.1), height);
         for y in rows {
-            let dy = y as f64 - self.y;
+            // What has a sign is converted at once.
+            let dy = y as i64 as f64 - self.y;
             for x in range(self.x, self.span(dy), width).0 {
-                each(Spot { x, y, dx: x as f64 - self.x, dy });
+                each(Spot { x, y, dx: x as i64 as f64 - self.x, dy });
             }
         }
         inside_x && inside_y
@@ -106,12 +108,14 @@ impl Aperture {
     }
 
     /// A place (dx, dy) from the centre in units of the semi-axes.
+    #[inline(always)]
     fn unit(&self, dx: f64, dy: f64) -> (f64, f64) {
         let [(p, q), (r, s)] = self.to_unit;
         (p * dx + q * dy, r * dx + s * dy)
     }
 
     /// The share of a pixel at (dx, dy) from the centre that lies inside.
+    #[inline]
     pub(super) fn share(&self, dx: f64, dy: f64) -> f64 {
         let (u, v) = self.unit(dx, dy);
         let square = u * u + v * v;
@@ -121,7 +125,8 @@ impl Aperture {
         } else if square >= none * none {
             0.0
         } else {
-            let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| self.unit(dx + x, dy + y));
+            let corner = |x: f64, y: f64| self.unit(dx + x, dy + y);
+            let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
             circle_polygon(&corners) * self.a * self.b
         }
     }

@@ -178,7 +178,7 @@ impl Measured {
 /// Measures all sources; labels are those of `scene`, 1 for the first source. Cost: one pass over
 /// the image, and the pixels of every aperture.
 pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
-    let sums = shape::sums(scene, sources);
+    let sums = shape::sums(scene, sources, extras.threads);
     let task = Task { scene, extras, sky };
     in_order(sources.len(), PIECE, extras.threads, |index, growth: &mut Growth| {
         let sums = &sums[index];

@@ -3,24 +3,26 @@
 /// A point, or a vector.
 type Point = (f64, f64);
 
-/// Area of the unit circle around the origin within a convex polygon whose corners go round
+/// Area of the unit circle around the origin within a convex quadrilateral whose corners go round
 /// counter-clockwise.
 ///
 /// Every edge contributes its triangle with the origin, where outside the circle cut down to a
 /// sector. Seen from outside, the sectors together span less than half a turn: as directions they
 /// are multiplied, and one arc tangent gives their angle.
-pub fn circle_polygon(corners: &[Point]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    let edges = corners.iter().zip(next).map(|(&from, &to)| (from, to));
-    if edges.clone().all(|(from, to)| cross(from, to) >= 0.0) {
+pub fn circle_polygon(corners: &[Point; 4]) -> f64 {
+    let &[a, b, c, d] = corners;
+    let edges = [(a, b), (b, c), (c, d), (d, a)];
+    if edges.iter().all(|&(from, to)| cross(from, to) >= 0.0) {
         let one = |edge: Edge| edge.triangle + edge.turns.map(angle).iter().sum::<f64>();
-        return 0.5 * edges.map(|(from, to)| one(Edge::of(from, to))).sum::<f64>();
+        return 0.5 * edges.iter().map(|&(from, to)| one(Edge::of(from, to))).sum::<f64>();
     }
     let (mut triangles, mut turn) = (0.0, AHEAD);
     for (from, to) in edges {
         let edge = Edge::of(from, to);
         triangles += edge.triangle;
-        turn = edge.turns.into_iter().filter(|&part| part != AHEAD).fold(turn, product);
+        for part in edge.turns {
+            turn = if part == AHEAD { turn } else { product(turn, part) };
+        }
     }
     0.5 * (triangles + if turn == AHEAD { 0.0 } else { angle(turn) })
 }
@@ -35,6 +37,7 @@ struct Edge {
 }
 
 impl Edge {
+    #[inline(always)]
     fn of(from: Point, to: Point) -> Edge {
         if dot(from, from) <= 1.0 && dot(to, to) <= 1.0 {
             return Edge { triangle: cross(from, to), turns: [AHEAD; 2] };

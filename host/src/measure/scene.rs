@@ -116,13 +116,15 @@ impl<'a> Scene<'a> {
     }
 
     /// What a pixel counts in an aperture of source `label`, or the flag that says why it counts nothing.
-    #[inline]
+    #[inline(always)]
     pub(super) fn light(&self, spot: Spot, label: u32) -> Result<Light, u32> {
+        self.own(spot.y * self.width + spot.x, label).or_else(|why| self.replaced(spot, label, why))
+    }
+
+    /// What counts in place of a pixel that does not, and why.
+    #[inline(never)]
+    fn replaced(&self, spot: Spot, label: u32, why: u32) -> Result<Light, u32> {
         let index = spot.y * self.width + spot.x;
-        let why = match self.own(index, label) {
-            Err(why) => why,
-            light => return light,
-        };
         let replaced = match self.neighbours {
             Neighbours::Mask => None,
             Neighbours::Keep => self.defined(index),
@@ -132,7 +134,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The light of a pixel that belongs to the source or to the sky and is defined.
-    #[inline]
+    #[inline(always)]
     fn own(&self, index: usize, label: u32) -> Result<Light, u32> {
         match self.labels[index] {
             other if other != 0 && other != label => Err(flags::NEIGHBOUR),
@@ -141,8 +143,8 @@ impl<'a> Scene<'a> {
     }
 
     /// The light of a defined pixel.
-    #[inline]
-    fn defined(&self, index: usize) -> Option<Light> {
+    #[inline(always)]
+    pub(super) fn defined(&self, index: usize) -> Option<Light> {
         let sigma = self.noise.at(index);
         let value = f64::from(self.pixels[index]) - self.background.at(index);
         (value.is_finite() && sigma.is_finite()).then_some(Light { value, variance: sigma * sigma, flags: 0 })
@@ -155,12 +157,6 @@ impl<'a> Scene<'a> {
             (place >= 0.0 && place < n as f64).then_some(place as usize)
         };
         Some(mirrored(spot.y, spot.dy, self.height)? * self.width + mirrored(spot.x, spot.dx, self.width)?)
-    }
-
-    /// Variance of the background at a pixel.
-    pub(super) fn variance(&self, index: usize) -> f64 {
-        let sigma = self.noise.at(index);
-        sigma * sigma
     }
 
     /// Whether a pixel reaches the saturation level.
@@ -180,6 +176,10 @@ impl<'a> Scene<'a> {
 
     /// What lies around a pixel of source `label`: flags, and whether it is on the outline.
     pub(super) fn around(&self, x: usize, y: usize, label: u32) -> u32 {
+        let (inner, at) = (x > 0 && x + 1 < self.width && y > 0 && y + 1 < self.height, y * self.width + x);
+        if inner && [at - 1, at + 1, at - self.width, at + self.width].iter().all(|&at| self.labels[at] == label) {
+            return 0;
+        }
         let mut found = 0;
         for (dx, dy) in [(1, 0), (0, 1), (usize::MAX, 0), (0, usize::MAX)] {
             let (x, y) = (x.wrapping_add(dx), y.wrapping_add(dy));

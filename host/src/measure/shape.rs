@@ -1,6 +1,9 @@
 //! What the pixels of a segment tell: flux, centroid, second moments, and where it stands.
 
+use super::scene::Light;
 use super::{Flux, Local, Scene};
+use crate::workers::in_groups;
+use skyfront_core::plane::rows::used;
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::sources::flags;
 
@@ -59,25 +62,28 @@ pub struct Shape {
 }
 
 /// One pass over the image: the sums of every catalogued source.
-pub fn sums(scene: &Scene<'_>, sources: &[Source]) -> Vec<Sums> {
+pub fn sums(scene: &Scene<'_>, sources: &[Source], threads: usize) -> Vec<Sums> {
     let mut all = vec![Sums::default(); sources.len()];
-    for (index, &label) in scene.labels.iter().enumerate().filter(|(_, label)| **label != 0) {
-        let at = label as usize - 1;
-        if let (Some(sums), Some(source)) = (all.get_mut(at), sources.get(at)) {
-            let origin = (source.x0 as f64, source.y0 as f64);
-            sums.add(scene, index, label, origin);
+    in_groups(&mut all, threads, |first, group| {
+        for (y, row) in scene.labels.chunks(scene.width.max(1)).enumerate() {
+            for (x, label) in used(row) {
+                let sums = (label as usize).checked_sub(first).and_then(|index| group.get_mut(index));
+                if let (Some(sums), Some(source)) = (sums, sources.get(label as usize - 1)) {
+                    sums.add(scene, (x, y), label, (f64::from(source.x0), f64::from(source.y0)));
+                }
+            }
         }
-    }
+    });
     all
 }
 
 impl Sums {
-    fn add(&mut self, scene: &Scene<'_>, index: usize, label: u32, origin: (f64, f64)) {
-        let (x, y) = (index % scene.width, index / scene.width);
+    fn add(&mut self, scene: &Scene<'_>, (x, y): (usize, usize), label: u32, origin: (f64, f64)) {
+        let index = y * scene.width + x;
         let around = scene.around(x, y, label);
         self.flags |= around;
         self.area += 1.0;
-        let Some(value) = scene.value(index) else {
+        let Some(Light { value, variance: of_sky, .. }) = scene.defined(index) else {
             self.flags |= flags::MASKED;
             return;
         };
@@ -90,7 +96,7 @@ impl Sums {
             self.peak = Some((pixel, (x as u32, y as u32)));
         }
         self.flux += value;
-        self.variance += scene.variance(index);
+        self.variance += of_sky;
         self.background += scene.background.at(index);
         self.noise += scene.noise.at(index);
         if around & OUTLINE != 0 {
@@ -101,7 +107,7 @@ impl Sums {
         let light = value.max(0.0);
         self.weight += light;
         add_moments(&mut self.first, &mut self.second, light, dx, dy);
-        let variance = scene.variance_with(scene.variance(index), value);
+        let variance = scene.variance_with(of_sky, value);
         self.noisy += variance;
         add_moments(&mut self.noisy_first, &mut self.noisy_second, variance, dx, dy);
     }

@@ -2,7 +2,9 @@
 
 use skyfront::pipeline::Segmentation;
 use skyfront_core::arithmetic::Arithmetic;
-use skyfront_core::config::{Config, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Stop, Tau};
+use skyfront_core::config::{
+    Config, Diffusivity, Edge, Filter, Motion, Normalize, Order, Rescale, Scheme, Start, Stop, Tau,
+};
 use skyfront_core::error::Error;
 use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
@@ -59,7 +61,8 @@ pub fn every_kind<A: Arithmetic>() -> Vec<Config> {
         start: Start::Threshold { margin: 3.0 },
         ..base
     };
+    let grown = Config { start: Start::Given, motion: Motion::Outward, ..base };
     let short = |config: Config| Config { t_max: 24.5 * config.dt, ..config };
     let served = |config: &Config| !matches!(config.validate::<A>(), Err(Error::Arithmetic { .. }));
-    motions.chain([fine, noise]).map(short).filter(served).collect()
+    motions.chain([fine, noise, grown]).map(short).filter(served).collect()
 }

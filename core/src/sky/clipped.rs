@@ -32,8 +32,8 @@ const ROUNDS: u32 = 10;
 /// The sky among sorted keys of the values of a cell.
 ///
 /// Clipped until nothing more is clipped (at most ten times), the level is the mode `2.5 median -
-/// 1.5 mean`, or the median where the distribution is skew or the noise below two steps of the values (Bertin and Arnouts 1996,
-/// doi:10.1051/aas:1996164). Where the noise is coarse beside the step of the values, or the sky is cut
+/// 1.5 mean`, or the median where the distribution is skew (Bertin and Arnouts 1996,
+/// doi:10.1051/aas:1996164) or the noise below two steps of the values. Where the noise is coarse beside the step of the values, or the sky is cut
 /// off below, it is the mean, which is what smoothing makes of such pixels. The noise is at least that of the step, `step / sqrt(12)`, and what the numbers resolve. Cost: about
 /// eight looks at each value.
 pub fn clipped(sorted: &[u32], values: &Values) -> Sky {

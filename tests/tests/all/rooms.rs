@@ -37,7 +37,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 /// The paths from the crate on that a file's code uses, without comments and tests, as their parts.
 fn used(file: &Path, own: &[String]) -> Vec<Vec<String>> {
     let text = fs::read_to_string(file).expect("a file of a crate");
-    let code = text.split("#[cfg(test)]\nmod").next().unwrap_or_default();
+    let code = text.split("#[cfg(test)]\n").next().unwrap_or_default();
     let code: String = code.lines().map(|line| line.split("//").next().unwrap_or_default().to_owned() + "\n").collect();
     let above = &own[..own.len().saturating_sub(1)];
     let from_crate = code.split("crate::").skip(1).flat_map(|rest| paths(&[], rest));

@@ -244,7 +244,7 @@ fn the_preset_for_star_trackers_knows_better_where_stars_are() {
     let mut lights = Vec::new();
     for cell in 0..64 {
         let (x, y) = ((cell % 8 * 40 + 20) as f64 + random.uniform(), (cell / 8 * 40 + 20) as f64 + random.uniform());
-        let angle = 6.28 * random.uniform();
+        let angle = std::f64::consts::TAU * random.uniform();
         lights.push(Light { x, y, flux: 3000.0 + 20_000.0 * random.uniform() });
         lights.push(Light { x: x + 4.0 * angle.cos(), y: y + 4.0 * angle.sin(), flux: 250.0 });
     }

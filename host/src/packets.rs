@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use skyfront_core::packet::{BEGINNING, Contents, Kind, Packet, PacketError, Piece};
 use skyfront_core::track::{BLENDED, EDGE, HOT, LOST, SATURATED, Star};
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fmt;
 
 /// The flags of a star, by name.
@@ -120,12 +121,14 @@ impl<'a> Received<'a> {
         let (product, number) = (Name { number: packet.product, kind: packet.contents.kind() }, packet.number);
         let packets = self.products.entry(product).or_default();
         let first = packets.first_key_value().map(|(_, first)| whole(first));
-        if packets.contains_key(&number) {
-            self.remarks.push(Remark::Repeated { product, number });
-        } else if first.is_some_and(|first| first != whole(&packet.contents)) {
-            self.remarks.push(Remark::Other { product, number });
-        } else {
-            packets.insert(number, packet.contents);
+        match packets.entry(number) {
+            Entry::Occupied(_) => self.remarks.push(Remark::Repeated { product, number }),
+            Entry::Vacant(_) if first.is_some_and(|first| first != whole(&packet.contents)) => {
+                self.remarks.push(Remark::Other { product, number });
+            }
+            Entry::Vacant(place) => {
+                place.insert(packet.contents);
+            }
         }
     }
 
@@ -304,7 +307,7 @@ mod tests {
     /// The packets of seven stars, a map and two cut-outs: 4, 3 and 5.
     fn sent() -> Vec<Vec<u8>> {
         let star = Star { x: 14.3, snr: 20.0, errx2: f32::INFINITY, flags: EDGE | LOST, ..Star::EMPTY };
-        let label = |at: usize| if at / 20 % 2 == 0 { at as u32 / 2 } else { 0 };
+        let label = |at: usize| if (at / 20).is_multiple_of(2) { at as u32 / 2 } else { 0 };
         let pixels: Vec<u16> = (0..40 * 30).collect();
         let raster = Raster::new(&pixels, 40, 30, 40).expect("a frame");
         let mut packets = Vec::new();

@@ -16,6 +16,7 @@ STEPPED = ["heat", "pm", "median", "median5", "bilateral:0.1", "tv:0.1", "starle
 FILTERS = ["none", *STEPPED, "gauss", "adaptive"]
 FRONTS = {
     "the paper's setting": "--preset paper-f160",
+    "two planes": "--preset paper-f160 --normalize noise:3,30 --tau noise:3 --min-area 6 --order filter-first",
     "fd, rescaled first": "--preset rsa",
     "fd": "--preset rsa --order filter-first",
     "sl": "--preset rsa --scheme sl --order filter-first",
@@ -29,8 +30,8 @@ def options(front, name):
     words = FRONTS[front]
     if name in STEPPED:
         return None if front == "the default" else f"{words} --filter {name}"
-    # The paper's setting has no smoothed planes; what is no step has no order.
-    if front == "the paper's setting" and name != "none" or front == "fd, rescaled first":
+    # Without a sky there are no smoothed planes; what is no step has no order.
+    if front in ["the paper's setting", "two planes"] and name != "none" or front == "fd, rescaled first":
         return None
     return f"{words.removesuffix(' --order filter-first')} --filter {name}"
 

@@ -86,10 +86,10 @@ def unknown(frame, x, y):
 
 
 def detected(program, frame, folder):
-    """Places by the catalogue of the default, brightest first: its centroids and those under its own window."""
+    """Places by the catalogue of the preset, brightest first: its centroids and those under its own window."""
     fits.writeto(folder / "frame.fits", frame, overwrite=True)
     words = [program, "segment", folder / "frame.fits", "--out", folder, "--overwrite", "--no-pictures", "--quiet"]
-    subprocess.run([*words, "--columns", "x,y,xwin,ywin,flux"], check=True)
+    subprocess.run([*words, "--preset", "star-tracker", "--columns", "x,y,xwin,ywin,flux"], check=True)
     table = Table.read(folder / "catalog.fits")
     table.sort("flux", reverse=True)
     table = table[np.isfinite(table["xwin"])][: 2 * STARS]

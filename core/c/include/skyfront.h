@@ -197,6 +197,11 @@
 typedef struct skyfront_run skyfront_run;
 
 /*
+ A run of the default, in the caller's memory.
+ */
+typedef struct skyfront_search skyfront_search;
+
+/*
  Where the next packet of a product begins: {number of the product} before the first. A copy of it writes a
  packet again.
  */
@@ -429,6 +434,110 @@ typedef struct skyfront_source {
 } skyfront_source;
 
 /*
+ A pixel that is never to be used.
+ */
+typedef struct skyfront_bad_pixel {
+  /*
+   Its column.
+   */
+  uint16_t x;
+  /*
+   Its row.
+   */
+  uint16_t y;
+} skyfront_bad_pixel;
+
+/*
+ What a run of the default is to work on.
+ */
+typedef struct skyfront_search_setup {
+  /*
+   The frame, 16 bits per pixel in the processor's byte order; null where it has 8.
+   */
+  const uint16_t *pixels_u16;
+  /*
+   The frame, 8 bits per pixel; null where it has 16.
+   */
+  const uint8_t *pixels_u8;
+  /*
+   Columns, 8 to 65535.
+   */
+  size_t width;
+  /*
+   Rows, 8 to 65535.
+   */
+  size_t height;
+  /*
+   Pixels from one row to the next.
+   */
+  size_t stride;
+  /*
+   Peaks that there is room for; 0 for as many as there can be. Pixels of more are in no source, and counted.
+   */
+  size_t regions;
+  /*
+   Pixels that are never to be used, row by row and along these; null for none.
+   */
+  const struct skyfront_bad_pixel *bad_pixels;
+  /*
+   How many.
+   */
+  size_t bad_pixel_count;
+  /*
+   Settings other than the default's; null for none.
+   */
+  const struct skyfront_setting *settings;
+  /*
+   How many.
+   */
+  size_t setting_count;
+} skyfront_search_setup;
+
+/*
+ How far a run of the default is, and at its end what it found.
+ */
+typedef struct skyfront_search_progress {
+  /*
+   Work done, in pixels of a pass.
+   */
+  uint64_t work;
+  /*
+   The most work that there can be.
+   */
+  uint64_t most_work;
+  /*
+   1 when all is done, else 0.
+   */
+  uint32_t done;
+  /*
+   Sources; 0 before the end, as all that follows. Labels run from 1 to this.
+   */
+  uint32_t sources;
+  /*
+   Pixels of sources.
+   */
+  uint32_t mask_pixels;
+  /*
+   Peaks for which there was no room.
+   */
+  uint32_t unlabelled;
+} skyfront_search_progress;
+
+/*
+ Takes `count` bytes of a snapshot and returns 0; another number stops the call.
+ */
+typedef int32_t (*skyfront_write)(void *context,
+                                  const uint8_t *bytes,
+                                  size_t count);
+
+/*
+ Gives the next `count` bytes of a snapshot and returns 0; another number stops the call.
+ */
+typedef int32_t (*skyfront_read)(void *context,
+                                 uint8_t *bytes,
+                                 size_t count);
+
+/*
  What is known of the camera.
  */
 typedef struct skyfront_camera {
@@ -453,20 +562,6 @@ typedef struct skyfront_camera {
    */
   float psf_sigma;
 } skyfront_camera;
-
-/*
- A pixel that is never to be used.
- */
-typedef struct skyfront_bad_pixel {
-  /*
-   Its column.
-   */
-  uint16_t x;
-  /*
-   Its row.
-   */
-  uint16_t y;
-} skyfront_bad_pixel;
 
 #ifdef __cplusplus
 extern "C" {
@@ -662,6 +757,75 @@ int32_t skyfront_run_labels(const struct skyfront_run *run,
 int32_t skyfront_run_source(const struct skyfront_run *run,
                             size_t index,
                             struct skyfront_source *source);
+
+/*
+ Bytes that a run of the default needs, whatever its settings; 0 where they cannot be counted.
+ */
+size_t skyfront_search_bytes(size_t width,
+                             size_t height,
+                             size_t regions);
+
+/*
+ Sets up a run of the default in `memory` of at least `skyfront_search_bytes()` bytes, which belongs to the run
+ from now on and must not be moved; there is nothing to be freed. The frame must stay where it is, and what it
+ is, until the run has ended: one that others have written to is SKYFRONT_ERROR_FRAME_CHANGED. `search` takes
+ the run, `message` as for `skyfront_run_start`.
+
+ # Safety
+ `memory` points to `bytes` bytes, `setup` to a setup whose frame has `stride * (height - 1) + width` pixels and
+ whose settings are texts that end with a zero, `search` to a pointer, `message` to `message_bytes` bytes. Frame
+ and bad pixels outlive the run.
+ */
+int32_t skyfront_search_start(void *memory,
+                              size_t bytes,
+                              const struct skyfront_search_setup *setup,
+                              struct skyfront_search **search,
+                              char *message,
+                              size_t message_bytes);
+
+/*
+ Does at most `rows` rows of the step under way. The same results come out whatever the slices. `progress` may be
+ null. After an error every further call returns the same.
+
+ # Safety
+ `search` was started.
+ */
+int32_t skyfront_search_poll(struct skyfront_search *search,
+                             size_t rows,
+                             struct skyfront_search_progress *progress);
+
+/*
+ Row `y` of the map of labels of a run of the default that has ended, `width` of them; 0 is the background.
+
+ # Safety
+ `search` was started; `labels` points to as many numbers as the frame has columns.
+ */
+int32_t skyfront_search_labels(const struct skyfront_search *search,
+                               size_t y,
+                               uint32_t *labels);
+
+/*
+ Writes a run of the default out as a snapshot, in pieces of at most 64 bytes; `context` is passed on to `write`.
+ When that returns another number than 0 the result is SKYFRONT_ERROR_FRAME, and the run goes on.
+
+ # Safety
+ `search` was started; `write` reads no more than it is given.
+ */
+int32_t skyfront_search_save(struct skyfront_search *search,
+                             skyfront_write write,
+                             void *context);
+
+/*
+ Takes up the run of a snapshot in the place of this one, which has the same setup and the same frame.
+ SKYFRONT_ERROR_NOT_RESTORED where it is damaged, foreign or ends early: this run is lost then, until a snapshot
+ is taken up.
+
+ # Safety
+ `search` was started; `read` writes no more than it is asked for.
+ */
+int32_t skyfront_search_restore(struct skyfront_search *search,
+                                skyfront_read read,
+                                void *context);
 
 /*
  Centres the brightest star of each window on a frame of 16 bits per pixel, in the processor's byte order.

@@ -28,11 +28,13 @@ mod memory;
 mod packet;
 mod pointer;
 mod run;
+mod search;
 mod track;
 
 pub use error::*;
 pub use packet::*;
 pub use run::*;
+pub use search::*;
 pub use track::*;
 
 use pointer::slice;

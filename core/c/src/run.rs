@@ -173,7 +173,7 @@ pub unsafe extern "C" fn skyfront_run_start(
 }
 
 /// Says in words what is wrong.
-fn tell(message: &mut Message<'_>, what: &dyn Display) {
+pub(crate) fn tell(message: &mut Message<'_>, what: &dyn Display) {
     // A message that has no room is cut.
     let _ = write!(message, "{what}");
 }
@@ -230,7 +230,22 @@ unsafe fn config(setup: &skyfront_setup, message: &mut Message<'_>) -> Result<Co
         _ => return Err(SKYFRONT_ERROR_PRESET),
     };
     // SAFETY: the caller's promise.
-    let settings = unsafe { slice(setup.settings, setup.setting_count) }.ok_or(SKYFRONT_ERROR_POINTER)?;
+    unsafe { set(&mut config, setup.settings, setup.setting_count, message)? };
+    Ok(config)
+}
+
+/// Changes settings.
+///
+/// # Safety
+/// They are texts that end with a zero.
+pub(crate) unsafe fn set(
+    config: &mut Config,
+    settings: *const skyfront_setting,
+    count: usize,
+    message: &mut Message<'_>,
+) -> Result<(), i32> {
+    // SAFETY: the caller's promise.
+    let settings = unsafe { slice(settings, count) }.ok_or(SKYFRONT_ERROR_POINTER)?;
     for setting in settings {
         // SAFETY: the caller's promise.
         let (name, value) = unsafe { (text(setting.name), text(setting.value)) };
@@ -240,12 +255,12 @@ unsafe fn config(setup: &skyfront_setup, message: &mut Message<'_>) -> Result<Co
             tell(message, &format_args!("{name} {value}"));
             return Err(SKYFRONT_ERROR_SETTING);
         };
-        parameter.set(&mut config, value).map_err(|error| {
+        parameter.set(config, value).map_err(|error| {
             tell(message, &error);
             number(&error)
         })?;
     }
-    Ok(config)
+    Ok(())
 }
 
 /// The configuration of a parameter table.
@@ -318,7 +333,7 @@ pub unsafe extern "C" fn skyfront_table_check(
 ///
 /// # Safety
 /// Where it is not null, `message` points to `bytes` bytes.
-unsafe fn buffer<'a>(message: *mut c_char, bytes: usize) -> Option<&'a mut [u8]> {
+pub(crate) unsafe fn buffer<'a>(message: *mut c_char, bytes: usize) -> Option<&'a mut [u8]> {
     // SAFETY: the caller's promise.
     unsafe { slice_mut(message.cast::<u8>(), if message.is_null() { 0 } else { bytes }) }
 }

@@ -1,4 +1,5 @@
-//! Step 3, the filter: which there are. Words, steps and costs of each are told here, and nowhere else.
+//! Step 3, the filter: which there are. Words, steps and costs of each are told here, and nowhere
+//! else.
 
 use super::Config;
 use super::parameter::{Numbers, Range, Value, Word, word};
@@ -55,7 +56,8 @@ pub enum Diffusivity {
 /// What is told of a filter.
 struct Facts {
     word: Word,
-    /// The steps that it is given with its word; none where it does not go over the image plane in steps.
+    /// The steps that it is given with its word; none where it does not go over the image plane in
+    /// steps.
     steps: Option<u16>,
     most_steps: u16,
     /// Passes over the image plane beside one a step.
@@ -82,7 +84,8 @@ macro_rules! filters {
             pub const ALL: &'static [Filter] = &[Filter::None, $($stepped),+, $($smoothing),+];
         }
         /// Their words.
-        pub(super) const WORDS: &[Word] = &[Filter::None.facts().word, $($stepped.facts().word),+, $($smoothing.facts().word),+];
+        pub(super) const WORDS: &[Word] =
+            &[Filter::None.facts().word, $($stepped.facts().word),+, $($smoothing.facts().word),+];
         /// The words of those in steps.
         pub(super) const IN_STEPS: &[&str] = &[$($stepped.name()),+];
     };
@@ -151,8 +154,8 @@ impl Filter {
         self.facts().word.name
     }
 
-    /// The name of its step, by which the costs of a step are told; none for those that do not go over
-    /// the image plane in steps.
+    /// The name of its step, by which the costs of a step are told; none for those that do not go
+    /// over the image plane in steps.
     pub const fn step_name(self) -> &'static str {
         match self {
             Filter::PeronaMalik { diffusivity: Diffusivity::F1, .. } => "perona-malik-f1",
@@ -236,7 +239,8 @@ pub(super) fn step_ranges(config: &Config) -> [Range; 2] {
     [Range::within(0.0, f32::from(config.filter.most_steps())); 2]
 }
 
-/// The steps follow from the filter: those of the paper's Test 1 for heat, of Test 2 for Perona and Malik.
+/// The steps follow from the filter: those of the paper's Test 1 for heat, of Test 2 for Perona and
+/// Malik.
 pub(super) fn set(config: &mut Config, value: Value) {
     let Some(&filter) = Filter::ALL.iter().find(|filter| value.is(filter.name())) else { return };
     config.filter = match value.numbers {
@@ -253,6 +257,8 @@ pub(super) fn set(config: &mut Config, value: Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arithmetic::{Arithmetic, F32, Q11, Q24};
+    use crate::config::Start;
     use crate::error::Error;
 
     #[test]
@@ -266,6 +272,36 @@ mod tests {
             let refused = Config { filter, ..Config::NOISE_AWARE }.validate_values().err();
             let expected = Error::Together { choice: "filter", value: filter.name(), other: "scheme", wanted: "fd" };
             assert_eq!(refused, filter.is_stepped().then_some(expected));
+        }
+    }
+
+    #[test]
+    fn what_an_arithmetic_has_no_room_for_is_refused_with_the_reason() {
+        fn reason<A: Arithmetic>(filter: Filter) -> Option<&'static str> {
+            let config = Config { filter, band: A::NEEDS_BAND, ..Config::PAPER_F160 };
+            match config.validate::<A>() {
+                Err(Error::Arithmetic { reason, .. }) => Some(reason),
+                Ok(()) => None,
+                Err(other) => panic!("{other:?}"),
+            }
+        }
+        let [flat, sharp] = [0.05, 0.005].map(|weight| Filter::TotalVariation { weight });
+        let [wide, fine] = [0.05, 0.005].map(|contrast| Filter::Bilateral { contrast });
+        assert_eq!([flat, sharp, wide, fine].map(reason::<F32>), [None; 4]);
+        let [none, weight, also_none, contrast] = [flat, sharp, wide, fine].map(reason::<Q24>);
+        assert_eq!((none, also_none), (None, None));
+        assert!(weight.unwrap().contains("1/124") && contrast.unwrap().contains("0.0056"));
+        assert!(reason::<Q11>(flat).unwrap().contains("cells of 32 bits"));
+        assert_eq!(reason::<Q11>(Filter::Starlet { significance: 3.0 }), None);
+    }
+
+    #[test]
+    fn a_given_front_is_not_overwritten() {
+        for &filter in Filter::ALL.iter().filter(|filter| filter.is_stepped()) {
+            let refused = Config { filter, start: Start::Given, ..Config::PAPER_F160 }.validate_values().err();
+            let wanted = "frame or threshold";
+            let expected = Error::Together { choice: "filter", value: filter.name(), other: "start", wanted };
+            assert_eq!(refused, filter.uses_front_plane().then_some(expected));
         }
     }
 

@@ -153,3 +153,18 @@ impl Config {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_front_grows_from_a_map_and_by_edges() {
+        let grows = Config { motion: Motion::Outward, start: Start::Given, ..Config::PAPER_F160 };
+        assert_eq!(grows.validate_values(), Ok(()));
+        let apart = |other, wanted| Err(Error::Together { choice: "motion", value: "outward", other, wanted });
+        assert_eq!(Config { start: Start::Frame, ..grows }.validate_values(), apart("start", "map"));
+        let regions = Config { start: Start::Given, ..grows.with_scheme(Scheme::ChanVese) };
+        assert_eq!(regions.validate_values(), apart("scheme", "fd"));
+    }
+}

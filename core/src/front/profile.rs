@@ -87,6 +87,11 @@ impl Profile {
     }
 }
 
+/// Turns a row of a front upside down; 0 stays 0.
+pub fn turn_row<A: Arithmetic>(row: &mut [A::Cell]) {
+    row.iter_mut().for_each(|cell| *cell = A::to_level(A::Real::ZERO - A::level(*cell)));
+}
+
 /// `|x - (n-1)/2| / (n/2 - 2)`, a quotient of two integers and so the same from both ends.
 #[inline(always)]
 fn off_centre(x: u32, n: u32) -> f32 {

@@ -1,14 +1,16 @@
 //! Sweeps that look two rows up and down, or two steps of a wider spacing.
 //!
-//! Rows whose numbers differ by a multiple of the spacing are a lattice of their own: lattices are swept one after
-//! another, so that three saved rows are enough for any spacing. Beyond the frame the last row of a lattice is repeated,
-//! and along a row the last column: with spacing 1 the homogeneous Neumann conditions of [`crate::plane::sweep`].
+//! Rows whose numbers differ by a multiple of the spacing are a lattice of their own: lattices are
+//! swept one after another, so that three saved rows are enough for any spacing. Beyond the frame
+//! the last row of a lattice is repeated, and along a row the last column: with spacing 1 the
+//! homogeneous Neumann conditions of [`crate::plane::sweep`].
 
 use crate::plane::rows::{row_of, row_of_mut};
 use core::num::NonZero;
 use core::ops::Range;
 
-/// Five rows of a lattice before the sweep has changed them, and the middle one as it is to be changed.
+/// Five rows of a lattice before the sweep has changed them, and the middle one as it is to be
+/// changed.
 #[derive(Debug)]
 pub struct Five<'a, C> {
     /// Two before; of no use afterwards, so that it may be written to.
@@ -27,7 +29,8 @@ pub struct Five<'a, C> {
     pub y: usize,
 }
 
-/// The lattice of the `n`th row of a sweep over `height` rows: its first row, and which of its rows it is.
+/// The lattice of the `n`th row of a sweep over `height` rows: its first row, and which of its rows
+/// it is.
 fn place(n: usize, height: usize, spacing: NonZero<usize>) -> (usize, usize) {
     let (rows, longer) = (height / spacing, height % spacing);
     // Those that begin first have one row more.
@@ -41,8 +44,9 @@ fn place(n: usize, height: usize, spacing: NonZero<usize>) -> (usize, usize) {
     }
 }
 
-/// Calls `each` for `steps` of a sweep over the rows of a plane, 0 to its height: those of one sweep in order. `ring`
-/// has at least three rows of the plane and keeps old rows between two calls. Cost: a copy of each row.
+/// Calls `each` for `steps` of a sweep over the rows of a plane, 0 to its height: those of one
+/// sweep in order. `ring` has at least three rows of the plane and keeps old rows between two
+/// calls. Cost: a copy of each row.
 pub fn sweep<C: Copy>(
     plane: &mut [C],
     ring: &mut [C],
@@ -86,8 +90,8 @@ fn copy<C: Copy>(from: &[C], to: &mut [C]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
 }
 
-/// The cells two and one before, at, one and two after column `x` of a lattice of columns; the last of them beyond
-/// the row's ends. `None` where the row has no such column.
+/// The cells two and one before, at, one and two after column `x` of a lattice of columns; the last
+/// of them beyond the row's ends. `None` where the row has no such column.
 #[inline(always)]
 pub fn five_columns<C: Copy>(row: &[C], x: usize, spacing: usize) -> Option<[C; 5]> {
     let centre = *row.get(x)?;

@@ -63,6 +63,7 @@ pub fn used(plane: &[u32]) -> impl Iterator<Item = (usize, u32)> {
 }
 
 /// The same of some of the cells.
+#[inline]
 pub fn used_in(plane: &[u32], cells: Range<usize>) -> impl Iterator<Item = (usize, u32)> {
     let (mut next, plane) = (cells.start, plane.get(..cells.end).unwrap_or(&[]));
     core::iter::from_fn(move || {

@@ -5,7 +5,7 @@
 //! 32 bits; of single precision -0 and +0 are neighbours.
 
 use crate::arithmetic::Level;
-use crate::plane::walk::Walk;
+use crate::plane::walk::{BYTES, Walk};
 use core::ops::Range;
 
 /// Values of a byte.
@@ -103,11 +103,7 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
                 tally.places.fill(0);
             }
             let is_last = range.end > last;
-            for &item in part_of(from, range) {
-                if let Some(count) = tally.places.get_mut(byte(item)) {
-                    *count = count.wrapping_add(1);
-                }
-            }
+            count_bytes(part_of(from, range), &mut tally.places, byte);
             if is_last {
                 let mut before = 0u32;
                 for place in &mut tally.places {
@@ -115,16 +111,7 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
                 }
             }
         })?;
-        walk.tally(count, 1, |tally, range| {
-            for &item in part_of(from, range) {
-                if let Some(place) = tally.places.get_mut(byte(item)) {
-                    if let Some(out) = to.get_mut(*place as usize) {
-                        *out = item;
-                    }
-                    *place = place.wrapping_add(1);
-                }
-            }
-        })?;
+        walk.tally(count, 1, |tally, range| lay(part_of(from, range), to, &mut tally.places, byte))?;
         if is_needed {
             core::mem::swap(&mut from, &mut to);
         }
@@ -135,6 +122,30 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
         let places = to.iter_mut().zip(from.iter()).take(range.end).skip(range.start);
         places.for_each(|(to, from)| *to = *from);
     })
+}
+
+/// Counts the items that have each byte.
+// A function of its own: what it is lent cannot be the same memory.
+#[inline(never)]
+fn count_bytes(items: &[u32], places: &mut [u32; BYTES], byte: impl Fn(u32) -> usize) {
+    for &item in items {
+        if let Some(count) = places.get_mut(byte(item)) {
+            *count = count.wrapping_add(1);
+        }
+    }
+}
+
+/// Lays every item at the place of its byte.
+#[inline(never)]
+fn lay(items: &[u32], to: &mut [u32], places: &mut [u32; BYTES], byte: impl Fn(u32) -> usize) {
+    for &item in items {
+        if let Some(place) = places.get_mut(byte(item)) {
+            if let Some(out) = to.get_mut(*place as usize) {
+                *out = item;
+            }
+            *place = place.wrapping_add(1);
+        }
+    }
 }
 
 fn part_of(items: &[u32], range: Range<usize>) -> &[u32] {
@@ -182,14 +193,7 @@ impl Keys<'_> {
 
     /// The keys of the values, the least first: as many as there is room for.
     pub fn sorted<L: Level>(&mut self, values: impl Iterator<Item = L>) -> &[u32] {
-        let (mut count, mut free) = (0, self.0.iter_mut());
-        // From within, which of nested iterators makes nested loops.
-        values.for_each(|value| {
-            if let Some(out) = free.next() {
-                *out = value.key();
-                count += 1;
-            }
-        });
+        let count = lay_keys(values, self.0);
         self.sort(count)
     }
 
@@ -204,14 +208,8 @@ impl Keys<'_> {
             if range.start == 0 {
                 tally.count = 0;
             }
-            let mut free = self.0.get_mut(tally.count..).unwrap_or(&mut []).iter_mut();
-            // From within, which of nested iterators makes nested loops.
-            values(range).for_each(|value| {
-                if let Some(out) = free.next() {
-                    *out = value.key();
-                    tally.count = tally.count.saturating_add(1);
-                }
-            });
+            let room = self.0.get_mut(tally.count..).unwrap_or(&mut []);
+            tally.count = tally.count.saturating_add(lay_keys(values(range), room));
         })?;
         let count = walk.tally.count.min(self.0.len());
         let keys = self.0.get_mut(..count).unwrap_or(&mut []);
@@ -226,6 +224,19 @@ impl Keys<'_> {
         by_key(keys, self.1, |key| key);
         keys
     }
+}
+
+/// Lays the keys of values where there is room for them; gives their number.
+fn lay_keys<L: Level>(values: impl Iterator<Item = L>, room: &mut [u32]) -> usize {
+    let (mut count, mut free) = (0, room.iter_mut());
+    // From within, which of nested iterators makes nested loops.
+    values.for_each(|value| {
+        if let Some(out) = free.next() {
+            *out = value.key();
+            count += 1;
+        }
+    });
+    count
 }
 
 /// The value of a rank among sorted keys; 0 beyond them.

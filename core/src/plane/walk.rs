@@ -101,7 +101,7 @@ impl Walk {
         let most = self.left.checked_div(cost).unwrap_or(usize::MAX).max(1);
         let start = self.next.min(items);
         let end = start.saturating_add(most).min(items);
-        self.spend((end - start).saturating_mul(cost));
+        self.spend(end.saturating_sub(start).saturating_mul(cost));
         work(&mut self.tally, start..end);
         self.next = end;
         if end < items {
@@ -206,6 +206,8 @@ impl Walk {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::arithmetic_side_effects)]
+
     use super::*;
 
     extern crate std;

@@ -15,7 +15,7 @@
 pub mod snapshot;
 mod state;
 
-use crate::arithmetic::{Level, Real};
+use crate::arithmetic::{Fixed14, Level, Real};
 use crate::config::{Config, Filter, Select};
 use crate::error::Error;
 use crate::front::outline::Front;
@@ -85,6 +85,12 @@ pub struct Extractor<'a, 'm, L: Level, P = f32> {
     /// What ended the run before its end.
     ended: Option<Error>,
 }
+
+/// More than an [`Extractor`] itself takes, beside the [`Workspace`].
+pub const EXTRACTOR_BYTES: usize = 2560;
+
+const _: () = assert!(size_of::<Extractor<'_, '_, f32, u16>>() <= EXTRACTOR_BYTES);
+const _: () = assert!(size_of::<Extractor<'_, '_, Fixed14, f32>>() <= EXTRACTOR_BYTES);
 
 impl<'a, 'm, L: Level> Extractor<'a, 'm, L> {
     /// Sets up a run over `pixels` (row-major, not finite = undefined).
@@ -184,6 +190,8 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     ///
     /// # Errors
     /// As [`Extractor::poll`].
+    // Its instructions are counted by its name.
+    #[inline(never)]
     pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
         self.go_on(usize::MAX, crew)
     }
@@ -483,7 +491,7 @@ pub fn extract<L: Level>(
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
     use crate::plane::mask::mask_words;
     use crate::plane::raster::{BadPixel, sealed::Sealed};

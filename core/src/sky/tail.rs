@@ -24,6 +24,9 @@ const ENOUGH: usize = 16;
 /// More is not believed: the expansion ends there.
 const MOST: f32 = 2.5;
 
+/// All parts of an image, and the questions for the noise and for its powers.
+pub(crate) type Asked<'w> = (&'w dyn Whole, [Question; 2]);
+
 /// The noise of a plane where no source is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tail<L> {
@@ -52,7 +55,7 @@ impl<L: Level> Tail<L> {
     pub(crate) fn step(
         &mut self,
         walk: &mut Walk,
-        (whole, grid): (Option<(&dyn Whole, [Question; 2])>, Grid),
+        (whole, grid): (Option<Asked<'_>>, Grid),
         value: impl Fn(usize) -> L,
         (masked, piled): (Mask<'_>, bool),
         mut keys: Keys<'_>,

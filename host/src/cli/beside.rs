@@ -1,7 +1,7 @@
 //! The options that name maps beside the image.
 
 use super::{Options, Usage};
-use crate::input::{Given, Maps, WeightType};
+use crate::input::{Combine, Given, Maps, WeightType};
 use crate::read::Place;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -34,6 +34,14 @@ pub struct Beside {
     /// values with a line of names, x and y (pixels from 1) or ra and dec (degrees) among them.
     #[arg(long, value_name = "CSV", requires = "apertures", conflicts_with_all = ["start", "arrival"])]
     positions: Option<PathBuf>,
+    /// Find sources in this image and the segmented one together, and measure them in each of both, or where
+    /// --measure says. Of the same pixels and coordinates; can be given many times.
+    #[arg(long, value_name = "IMAGE2", value_parser = place(),
+        conflicts_with_all = ["segmentation", "positions", "background", "weight"])]
+    with: Vec<Place>,
+    /// How the images are combined for that [default: weighted].
+    #[arg(long, value_enum, value_name = "HOW", requires = "with")]
+    combine: Option<Combine>,
     /// Measure the sources in this image of the same pixels: fluxes, shapes, GAIN, SATURATE and
     /// coordinates are its own. Given many times, the columns of the second image begin with m2_, and so on.
     #[arg(long, value_name = "IMAGE2", value_parser = place())]
@@ -58,8 +66,8 @@ impl Beside {
     /// More images than can be told apart, or maps of some of them only.
     pub fn validate(&self) -> Result<()> {
         let bands = self.measure.len();
-        if bands > MOST_BANDS {
-            bail!(Usage("--measure can be given 99 times at most"));
+        if bands > MOST_BANDS || self.with.len() >= MOST_BANDS {
+            bail!(Usage("--measure can be given 99 times at most, --with 98 times"));
         }
         if ![0, bands].contains(&self.measure_background.len()) || ![0, bands].contains(&self.measure_weight.len()) {
             bail!(Usage("--measure-background and --measure-weight are given once for each --measure, or not at all"));
@@ -75,6 +83,8 @@ impl Beside {
             mask: self.mask.clone(),
             background: self.background.clone(),
             weight: weighed(&self.weight),
+            with: self.with.clone(),
+            combine: self.combine.unwrap_or_default(),
             measure: self.measure.clone(),
             measure_background: self.measure_background.clone(),
             measure_weight: of_bands.zip(self.weight_type.iter().copied().cycle()).collect(),

@@ -38,6 +38,10 @@ pub const EXAMPLES: [(&str, &[(&str, &str)]); 10] = [
                 "The sources of one band measured in another",
                 "skyfront segment r.fits --measure g.fits --out g --no-pictures",
             ),
+            (
+                "Sources of any colour, in three bands together",
+                "skyfront segment r.fits --with g.fits --with i.fits --combine chi2 --out gri",
+            ),
         ],
     ),
     (

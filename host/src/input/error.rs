@@ -54,6 +54,14 @@ pub enum Reason {
         /// What the map removes.
         why: &'static str,
     },
+    /// It lies elsewhere on the sky than the image.
+    #[error("{file} does not lie where the image does: its pixels are up to {pixels:.1} away by its coordinates")]
+    Elsewhere {
+        /// The other image.
+        file: String,
+        /// The greatest distance of a corner from that of the image, in pixels.
+        pixels: f64,
+    },
     /// A table of places that cannot be used.
     #[error("{0}")]
     Table(String),

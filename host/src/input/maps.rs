@@ -1,6 +1,7 @@
 //! The maps that a command line names, read and checked against the image.
 
-use super::{At, Beside, Input, LabelMap, MapError, Observed, Positions, Reason, StartMap, WeightType};
+use super::combine::same_field;
+use super::{At, Beside, Combine, Input, LabelMap, MapError, Observed, Positions, Reason, StartMap, WeightType};
 use crate::read::{Image, Place};
 use crate::sky::Sky;
 use crate::write::entry::numbered;
@@ -16,7 +17,11 @@ pub struct Maps {
     pub background: Option<Given>,
     /// Its noise.
     pub weight: Option<(Given, WeightType)>,
-    /// The images in which the sources are measured.
+    /// Images of the same pixels that are combined with the image, so that sources are found in all of them.
+    pub with: Vec<Place>,
+    /// How.
+    pub combine: Combine,
+    /// The images in which the sources are measured; with [`Maps::with`] and none here, all that are combined.
     pub measure: Vec<Place>,
     /// The sky of each; none, or one for each.
     pub measure_background: Vec<Given>,
@@ -61,7 +66,9 @@ impl Maps {
     /// How many there are.
     pub fn count(&self) -> usize {
         let given = [self.mask.is_some(), self.background.is_some(), self.weight.is_some(), self.start.is_some()];
-        let of_bands = [self.measure.len(), self.measure_background.len(), self.measure_weight.len()];
+        // The combination needs as many planes again.
+        let of_bands =
+            [2 * self.with.len(), self.measure.len(), self.measure_background.len(), self.measure_weight.len()];
         given.into_iter().filter(|&given| given).count() + of_bands.iter().sum::<usize>()
     }
 
@@ -82,6 +89,13 @@ impl Maps {
             let image = loader.image("measure", "SFMEAS", place)?;
             let name = place.to_string();
             input.bands.push(Observed { name, image, background: None, noise: None, relative: false });
+        }
+        let mut others = Vec::new();
+        for (band, place) in self.with.iter().enumerate() {
+            loader.band = band;
+            let (image, name) = (loader.image("with", "SFWITH", place)?, place.to_string());
+            same_field(&input.detected.image, &image, &name).map_err(|reason| MapError { option: "with", reason })?;
+            others.push(Observed { name, image, background: None, noise: None, relative: false });
         }
         loader.band = 0;
         if let Some(place) = &self.mask {
@@ -126,9 +140,27 @@ impl Maps {
             }
             input.start = Some(StartMap::of(&map, loader.size.0, *margin));
         }
+        if !others.is_empty() {
+            loader.note("combine", "SFCOMBIN", self.combine.name().to_owned(), None);
+            self.combined(&mut input, others);
+        }
         input.removed = before - defined(&input.detected.image);
         input.beside = loader.beside;
         Ok(input)
+    }
+}
+
+impl Maps {
+    /// Puts the combination of an image and others in its place.
+    fn combined(&self, input: &mut Input, others: Vec<Observed>) {
+        let images: Vec<&Image> =
+            std::iter::once(&input.detected).chain(&others).map(|observed| &observed.image).collect();
+        let pixels = self.combine.of(&images);
+        if self.measure.is_empty() {
+            input.bands = std::iter::once(input.detected.clone()).chain(others).collect();
+        }
+        // Nothing of its range or unit is left of it.
+        (input.detected.image.pixels, input.detected.image.bitpix) = (pixels, -32);
     }
 }
 

@@ -1,5 +1,6 @@
 //! All that goes into a run: the image, and the maps that say more about its pixels.
 
+mod combine;
 mod error;
 mod labels;
 mod maps;
@@ -7,6 +8,7 @@ mod positions;
 mod start;
 mod weight;
 
+pub use combine::Combine;
 pub use error::{MapError, Reason};
 pub use labels::LabelMap;
 pub use maps::{Given, Maps};

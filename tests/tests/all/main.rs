@@ -2,6 +2,7 @@
 //! `cargo test -p skyfront-tests PART::`.
 
 mod agreement;
+mod bands;
 mod budget;
 mod c;
 mod catalogue;

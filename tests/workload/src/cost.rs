@@ -4,7 +4,7 @@ use crate::case::Scene;
 use crate::run::{self, run};
 use skyfront_core::arithmetic::{Arithmetic, Real};
 use skyfront_core::config::{
-    Config, Connectivity, Diffusivity, Edge, Filter, Normalize, Order, Rescale, Scheme, Start, Tau,
+    Config, Connectivity, Diffusivity, Edge, Filter, Motion, Normalize, Order, Rescale, Scheme, Start, Tau,
 };
 use skyfront_core::front::scheme::AnyScheme;
 use skyfront_core::run::budget;
@@ -146,6 +146,7 @@ pub fn all<A: Arithmetic>(
     for mask in [Mask::Checkers, Mask::Full] {
         one(Config { start: Start::Given, connectivity: Connectivity::Four, dt: 1e-5, ..BASE }, Some(mask));
     }
+    one(Config { start: Start::Given, motion: Motion::Outward, ..BASE }, Some(Mask::Full));
     items.0.into_iter().flatten().for_each(|item| tell(item.stage, item.variant, item.instructions));
 }
 

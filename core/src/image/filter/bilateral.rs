@@ -1,5 +1,6 @@
-//! The bilateral filter of C. Tomasi and R. Manduchi (doi:10.1109/ICCV.1998.710815): a mean over neighbours that are
-//! near in place and near in brightness, so that noise is averaged and steps higher than it are kept.
+//! The bilateral filter of C. Tomasi and R. Manduchi (doi:10.1109/ICCV.1998.710815): a mean over
+//! neighbours that are near in place and near in brightness, so that noise is averaged and steps
+//! higher than it are kept.
 
 use super::window::Window;
 use crate::arithmetic::{Arithmetic, Real};
@@ -8,8 +9,8 @@ use core::f32::consts::FRAC_1_SQRT_2;
 /// Weights of places by a Gaussian of one pixel, `exp(-d^2 / 2)`: those of a row and column away.
 const NEAR: [f32; 3] = [1.0, 0.606_530_66, 0.135_335_28];
 
-/// Each pixel moves by the mean of its differences d to the 5 x 5 pixels around it, weighted by the place and by
-/// `exp(-d^2 / (2 contrast^2))`.
+/// Each pixel moves by the mean of its differences d to the 5 x 5 pixels around it, weighted by the
+/// place and by `exp(-d^2 / (2 contrast^2))`.
 #[derive(Clone, Copy, Debug)]
 pub struct Bilateral<A: Arithmetic> {
     /// `1 / (sqrt 2 contrast)`.
@@ -18,7 +19,8 @@ pub struct Bilateral<A: Arithmetic> {
 }
 
 impl<A: Arithmetic> Bilateral<A> {
-    /// `contrast` is the difference, in image units (0 to 1), from which pixels count less: a few times the noise.
+    /// `contrast` is the difference, in image units (0 to 1), from which pixels count less: a few
+    /// times the noise.
     pub fn new(contrast: f32) -> Self {
         Bilateral { sharpness: A::Real::of(FRAC_1_SQRT_2 / contrast), near: NEAR.map(A::Real::of) }
     }
@@ -54,7 +56,8 @@ mod tests {
         Window::<A>::pixel(&Bilateral::<A>::new(contrast), around).to_f32()
     }
 
-    /// A step much higher than the contrast stays; of one much lower only the mean by places is left.
+    /// A step much higher than the contrast stays; of one much lower only the mean by places is
+    /// left.
     #[test]
     fn steps_are_kept_and_ripples_are_not() {
         let mut around = [[0.2; 5]; 5];

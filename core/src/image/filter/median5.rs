@@ -1,5 +1,5 @@
-//! The median of 5 x 5 pixels: what [`Median`](super::median::Median) does, for clumps of up to twelve pixels
-//! (J. W. Tukey 1977, Exploratory Data Analysis).
+//! The median of 5 x 5 pixels: what [`Median`](super::median::Median) does, for clumps of up to
+//! twelve pixels (J. W. Tukey 1977, Exploratory Data Analysis).
 
 use super::window::Window;
 use crate::arithmetic::{Arithmetic, Real};
@@ -26,8 +26,8 @@ fn part<R: Real>(values: &mut [R]) {
     }
 }
 
-/// The median of 25 values: the least and the greatest of those kept are dropped and one more is taken in, until
-/// three are left. The same comparisons whatever the values.
+/// The median of 25 values: the least and the greatest of those kept are dropped and one more is
+/// taken in, until three are left. The same comparisons whatever the values.
 #[inline(always)]
 fn median<R: Real>(values: &mut [R; 25]) -> R {
     let (mut kept, rest) = values.split_at_mut_checked(KEPT).unwrap_or((&mut [], &mut []));

@@ -1,11 +1,12 @@
-//! The starlet: the isotropic undecimated wavelet transform of J.-L. Starck, J. Fadili and F. Murtagh
-//! (doi:10.1109/TIP.2006.887733), of which only what is significant is kept.
+//! The starlet: the isotropic undecimated wavelet transform of J.-L. Starck, J. Fadili and F.
+//! Murtagh (doi:10.1109/TIP.2006.887733), of which only what is significant is kept.
 //!
-//! Scale j is the image smoothed by the cubic B-spline `(1, 4, 6, 4, 1) / 16` along rows and columns, with `2^j - 1` holes
-//! between its values; its details are the scale before it minus itself. Of the details `w` within `t`, so many standard
-//! deviations of their noise, nothing is left, of others `w - t^2 / w`: the garrote of H.-Y. Gao
-//! (doi:10.1080/10618600.1998.10474677), which bends where a hard threshold jumps. The noise is that of the first details: 1.4826
-//! times the median of their sizes.
+//! Scale j is the image smoothed by the cubic B-spline `(1, 4, 6, 4, 1) / 16` along rows and
+//! columns, with `2^j - 1` holes between its values; its details are the scale before it minus
+//! itself. Of the details `w` within `t`, so many standard deviations of their noise, nothing is
+//! left, of others `w - t^2 / w`: the garrote of H.-Y. Gao (doi:10.1080/10618600.1998.10474677),
+//! which bends where a hard threshold jumps. The noise is that of the first details: 1.4826 times
+//! the median of their sizes.
 
 use super::{Measured, Planes};
 use crate::arithmetic::{Arithmetic, Real};
@@ -15,8 +16,9 @@ use crate::plane::rows::{row_of, row_of_mut};
 use crate::sky::select;
 use core::ops::Range;
 
-/// Noise of the details of each scale, in units of that of the first, for noise without correlation: the lengths of
-/// the differences of two of its smoothing kernels (`the_noise_of_each_scale`).
+/// Noise of the details of each scale, in units of that of the first, for noise without
+/// correlation: the lengths of the differences of two of its smoothing kernels
+/// (`the_noise_of_each_scale`).
 const NOISE: [f32; 7] = [1.0, 0.225_263_45, 0.095_989_96, 0.046_270_34, 0.022_928_885, 0.011_438_933, 0.005_716_286];
 /// A standard deviation of normal noise in medians of its size.
 const OF_MEDIAN: f32 = 1.482_602_2;
@@ -61,8 +63,8 @@ impl Starlet {
         pass < MEASURING
     }
 
-    /// Does some rows of a pass. The image plane goes from scale to scale; the spare one holds the image without the
-    /// details that are not significant.
+    /// Does some rows of a pass. The image plane goes from scale to scale; the spare one holds the
+    /// image without the details that are not significant.
     #[inline(always)]
     pub fn rows<A: Arithmetic>(
         &self,
@@ -101,7 +103,8 @@ impl Starlet {
         }
     }
 
-    /// The size up to which nothing is left of details, where the median size of the first is `median`.
+    /// The size up to which nothing is left of details, where the median size of the first is
+    /// `median`.
     fn limit(&self, scale: u32, median: f32) -> f32 {
         let noise = NOISE.get(scale as usize).copied().unwrap_or(0.0);
         self.significance * (OF_MEDIAN * median) * noise
@@ -163,7 +166,8 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
-    /// The outer product of a kernel with itself is that of the plane: its sums are products of sums.
+    /// The outer product of a kernel with itself is that of the plane: its sums are products of
+    /// sums.
     #[test]
     fn the_noise_of_each_scale() {
         let mut kernel = std::vec![1.0f64];

@@ -1,10 +1,12 @@
-//! Total variation: the image of least variation near the given one (L. I. Rudin, S. Osher, E. Fatemi,
-//! doi:10.1016/0167-2789(92)90242-F), by the projection of A. Chambolle (doi:10.1023/B:JMIV.0000011325.36760.1e).
+//! Total variation: the image of least variation near the given one (L. I. Rudin, S. Osher, E.
+//! Fatemi, doi:10.1016/0167-2789(92)90242-F), by the projection of A. Chambolle
+//! (doi:10.1023/B:JMIV.0000011325.36760.1e).
 //!
 //! The result is `f - weight div p`, where the field p of vectors no longer than 1 comes from 0 by
-//! `p + tau d` over `1 + tau |d|`, d the gradient of `div p - f / weight`, as often as the filter has steps. f stays in the
-//! image plane; p lies in the front plane, two numbers of 15 bits per cell. A step of p below half of these is none: the
-//! result may keep slopes of `weight / 8192` per pixel where the model's is flat.
+//! `p + tau d` over `1 + tau |d|`, d the gradient of `div p - f / weight`, as often as the filter
+//! has steps. f stays in the image plane; p lies in the front plane, two numbers of 15 bits per
+//! cell. A step of p below half of these is none: the result may keep slopes of `weight / 8192` per
+//! pixel where the model's is flat.
 
 use super::Planes;
 use crate::arithmetic::{Arithmetic, Bits, Real};
@@ -126,7 +128,8 @@ fn each_divergence<A: Arithmetic>(
     }
 }
 
-/// One row of the next p. Beyond the last column and row the force is repeated: no gradient leads there.
+/// One row of the next p. Beyond the last column and row the force is repeated: no gradient leads
+/// there.
 #[inline(always)]
 fn step_row<A: Arithmetic>(pass: u32, force: &[A::Cell], across: &[A::Cell], field: &mut [A::Cell]) {
     let tau = A::Real::of(TAU);
@@ -177,8 +180,8 @@ mod tests {
         cells.into_iter().map(|cell| A::pixel(cell).to_f32()).collect()
     }
 
-    /// A strip of columns on either side of a step comes nearer to the other by the weight over its width: the known
-    /// solution in one dimension.
+    /// A strip of columns on either side of a step comes nearer to the other by the weight over its
+    /// width: the known solution in one dimension.
     #[test]
     fn a_step_comes_down_by_the_weight_over_its_width() {
         let image: Vec<f32> = (0..16 * 5).map(|at| if at % 16 < 8 { 0.2 } else { 0.7 }).collect();

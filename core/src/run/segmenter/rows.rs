@@ -5,6 +5,7 @@ use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::config::{Motion, Normalize, Rescale, Scheme, Start, Tau};
 use crate::error::Error;
 use crate::front::march::March;
+use crate::front::profile::turn_row;
 use crate::front::scheme::{Evolve, Step};
 use crate::front::start;
 use crate::image::filter::{AnyFilter, Measured, Planes};
@@ -59,11 +60,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::StartMark | Stage::StartUp | Stage::StartDown => self.start_row(y),
             Stage::Front => self.front_row(y).map_err(corrupted)?,
             Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => self.march_row(y),
-            Stage::Turn => {
-                for cell in row_of_mut(self.memory.front, width, y) {
-                    *cell = A::to_level(A::Real::ZERO - A::level(*cell));
-                }
-            }
+            Stage::Turn => turn_row::<A>(row_of_mut(self.memory.front, width, y)),
             _ => self.label_row(y).map_err(corrupted)?,
         }
         Ok(())

@@ -1,5 +1,6 @@
-//! Starlet transform and its significant details: J.-L. Starck, J. Fadili and F. Murtagh 2007
-//! (DOI 10.1109/TIP.2006.887733), shrunk by the garrote of H.-Y. Gao 1998 (DOI 10.1080/10618600.1998.10474677).
+//! Starlet transform and its significant details: J.-L. Starck, J. Fadili and F. Murtagh 2007 (DOI
+//! 10.1109/TIP.2006.887733), shrunk by the garrote of H.-Y. Gao 1998 (DOI
+//! 10.1080/10618600.1998.10474677).
 
 use super::super::Plane;
 use super::Filtering;
@@ -7,8 +8,8 @@ use super::Filtering;
 /// The B3 spline.
 const SPLINE: [f64; 5] = [1.0 / 16.0, 4.0 / 16.0, 6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0];
 
-/// A pass: one scale, or after the last of them the sum of what is kept. `first` is the image before the filter, of whose
-/// finest details the noise is told.
+/// A pass: one scale, or after the last of them the sum of what is kept. `first` is the image
+/// before the filter, of whose finest details the noise is told.
 pub(super) fn pass(significance: f64, scales: u32, pass: u32, first: &Plane, now: &Filtering) -> Filtering {
     let kept = now.kept.first().filter(|_| pass > 0).unwrap_or(&now.image);
     if pass >= scales {
@@ -35,7 +36,8 @@ fn smooth(image: &Plane, spacing: isize) -> Plane {
     })
 }
 
-/// The place so many spacings away from `at`; where that is outside, the last one before it is repeated.
+/// The place so many spacings away from `at`; where that is outside, the last one before it is
+/// repeated.
 fn inside(at: isize, taps: isize, spacing: isize, length: isize) -> isize {
     let mut taps = taps;
     while !(0..length).contains(&(at + taps * spacing)) {
@@ -52,7 +54,8 @@ fn noise(image: &Plane) -> f64 {
     1.482_602_218_505_602 * sizes[(sizes.len() - 1) / 2]
 }
 
-/// Noise of the details of a scale in units of that of the first, for independent noise: from the kernels themselves.
+/// Noise of the details of a scale in units of that of the first, for independent noise: from the
+/// kernels themselves.
 pub fn scale_noise(scale: u32) -> f64 {
     let (mut kernel, mut first) = (vec![1.0], None);
     for j in 0.. {

@@ -1,12 +1,14 @@
-//! Total variation (L. I. Rudin, S. Osher, E. Fatemi 1992, DOI 10.1016/0167-2789(92)90242-F) by the projection of
-//! A. Chambolle 2004 (DOI 10.1023/B:JMIV.0000011325.36760.1e), in his notation: tau = 1/4, lambda the weight.
+//! Total variation (L. I. Rudin, S. Osher, E. Fatemi 1992, DOI 10.1016/0167-2789(92)90242-F) by the
+//! projection of A. Chambolle 2004 (DOI 10.1023/B:JMIV.0000011325.36760.1e), in his notation: tau =
+//! 1/4, lambda the weight.
 
 use super::super::Plane;
 use super::Filtering;
 
 const TAU: f64 = 0.25;
 
-/// A pass: one step of p, or after the last of them the result `f - lambda div p`. The image stays f until then.
+/// A pass: one step of p, or after the last of them the result `f - lambda div p`. The image stays
+/// f until then.
 pub(super) fn pass(lambda: f64, steps: u32, pass: u32, now: &Filtering) -> Filtering {
     let f = &now.image;
     let (width, height) = (f.width(), f.height());

@@ -180,7 +180,7 @@ fn clipped(mut values: Vec<f64>, facts: &Facts, off: f64) -> Sky {
     }
     let level = if coarse(noise) {
         mean
-    } else if (mean - middle).abs() >= 0.3 * noise {
+    } else if (mean - middle).abs() >= 0.3 * noise || noise < 2.0 * step {
         middle
     } else {
         2.5 * middle - 1.5 * mean

@@ -8,8 +8,6 @@ use crate::arithmetic::Level;
 use crate::plane::walk::{BYTES, Walk};
 use core::ops::Range;
 
-/// Values of a byte.
-const BYTES: usize = 1 << u8::BITS;
 /// Bits of a wide digit: three hold every key.
 const WIDE: u32 = 11;
 /// Values of a wide digit.

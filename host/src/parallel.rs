@@ -5,7 +5,7 @@
 //! stop. A row's new values depend on old rows only and changes are whole numbers, so the result
 //! has the same bits for any number of threads.
 
-use crate::planes::can_be_had;
+use crate::planes::thread_can_be_had;
 use skyfront_core::arithmetic::Arithmetic;
 use skyfront_core::arithmetic::vectors::COLUMNS;
 use skyfront_core::front::scheme::{Evolve, Step};
@@ -63,10 +63,6 @@ where
         }
     }
 }
-
-/// Bytes that must be free for another thread: its stack and what all still need, beside the 64 MB that the heap may
-/// keep back and give no stack.
-const SPARE: u64 = 96_000_000;
 
 /// The system gave threads for so many bands only, and nothing has moved.
 struct TooFew(usize);
@@ -135,7 +131,7 @@ where
         let (own, work) = (bands.next(), &work);
         for (index, front) in bands {
             let helper = move || work(index, front, &mut |_, _| {});
-            if !can_be_had(SPARE) || std::thread::Builder::new().spawn_scoped(scope, helper).is_err() {
+            if !thread_can_be_had() || std::thread::Builder::new().spawn_scoped(scope, helper).is_err() {
                 shared.barrier.shatter();
                 return Err(TooFew(index));
             }

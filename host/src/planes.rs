@@ -149,6 +149,13 @@ pub fn can_be_had(bytes: u64) -> bool {
     given
 }
 
+/// Whether another thread leaves the others what they still need: its stack, the 64 MB that the heap may keep back and
+/// give no stack, and some planes.
+pub fn thread_can_be_had() -> bool {
+    const SPARE: u64 = 96_000_000;
+    can_be_had(SPARE)
+}
+
 /// A plane of `len` cells, in large pages where the system has them: the front touches every row
 /// of a frame again and again, and ordinary pages are too many for the processor's page table.
 pub fn plane<T: Copy>(len: usize, cell: T) -> Vec<T> {

@@ -1,6 +1,7 @@
 //! Work on many things by several threads, with the results in order.
 
 use crate::machine::Native;
+use crate::planes::thread_can_be_had;
 use skyfront_core::arithmetic::machine::{Machine, Task};
 use skyfront_core::plane::crew::Crew;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -31,7 +32,7 @@ pub(crate) fn in_order<M: Default, T: Send>(
     };
     scope(|scope| {
         for _ in 1..threads.min(count.div_ceil(step)) {
-            if Builder::new().spawn_scoped(scope, help).is_err() {
+            if !thread_can_be_had() || Builder::new().spawn_scoped(scope, help).is_err() {
                 break;
             }
         }
@@ -72,7 +73,7 @@ impl Crew for Threads {
         };
         scope(|scope| {
             for _ in 1..self.hands() {
-                if Builder::new().spawn_scoped(scope, help).is_err() {
+                if !thread_can_be_had() || Builder::new().spawn_scoped(scope, help).is_err() {
                     break;
                 }
             }

@@ -152,7 +152,9 @@ impl<'m> Mesh<'m> {
         keys: Keys<'_>,
     ) -> Survey {
         let mut survey = Survey::default();
-        let words = |first: usize| Words::of(|bit| seen(first + bit));
+        let count = frame.count();
+        let seen_within = |at: usize| if at < count { seen(at) } else { Seen::Undefined };
+        let words = |first: usize| Words::of(|bit| seen_within(first.saturating_add(bit)));
         let _ = self.step((&mut Walk::whole(), crew), &mut survey, frame, words, values, keys);
         survey
     }
@@ -604,6 +606,18 @@ mod tests {
 
     fn cells() -> [Sky; mesh_cells(SIDE, SIDE, CELL)] {
         [Sky::UNKNOWN; mesh_cells(SIDE, SIDE, CELL)]
+    }
+
+    /// Rows are looked at 32 pixels at a time, of which the last may lie beyond the frame.
+    #[test]
+    fn no_pixel_beyond_the_frame_is_asked_for() {
+        let pixels = normal(60 * 60, 0.0, 1.0);
+        let (mut cells, mut room) = ([Sky::UNKNOWN; mesh_cells(60, 60, CELL)], [[0; 3600]; 2]);
+        let [keys, spare] = &mut room;
+        let seen = |at: usize| if pixels[at].is_finite() { Seen::Sky } else { Seen::Undefined };
+        let survey =
+            Mesh::blank(&mut cells, (60, 60), CELL).measure(&pixels, seen, &Values::UNKNOWN, Keys(keys, spare));
+        assert_eq!(survey, Survey { cells: 1, measured: 1 });
     }
 
     #[test]

@@ -257,7 +257,7 @@ impl Task<'_> {
             patch: sky.and_then(|sky| sky.patch(shape.x, shape.y)),
             windowed_position: sky.filter(|_| wanted.windowed).and_then(|sky| sky.position(windowed.x, windowed.y)),
             position_angle: sky.and_then(|sky| sky.position_angle(shape.x, shape.y, shape.theta)),
-            flags: flags & !shape::OUTLINE,
+            flags: flags & !scene::OUTLINE,
             bands: Vec::new(),
         }
     }

@@ -1,8 +1,10 @@
 //! The image as measurements see it: values above the background, their variance, and neighbours.
 
-use super::shape::OUTLINE;
 use super::{Extras, Flux, Level, estimate};
 use skyfront_core::sources::flags;
+
+/// Not a flag of a source: the pixel lies along its outline.
+pub(super) const OUTLINE: u32 = 1 << 31;
 
 /// What an aperture counts where it meets the pixels of other sources.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

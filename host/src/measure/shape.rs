@@ -1,6 +1,6 @@
 //! What the pixels of a segment tell: flux, centroid, second moments, and where it stands.
 
-use super::scene::Light;
+use super::scene::{Light, OUTLINE};
 use super::{Flux, Local, Scene};
 use crate::workers::in_groups;
 use skyfront_core::plane::rows::used;
@@ -232,6 +232,3 @@ impl Shape {
         if a * b < pixel * pixel { ((a + pixel).sqrt(), (b + pixel).sqrt()) } else { (self.a, self.b) }
     }
 }
-
-/// Not a flag of a source: the pixel lies along its outline.
-pub(super) const OUTLINE: u32 = 1 << 31;

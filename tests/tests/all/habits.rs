@@ -321,7 +321,7 @@ fn manual_pages_of_all_commands_are_written_with_their_examples() {
         assert!(output.status.success() && output.stdout.is_empty(), "{}", messages(&output));
     }
     let names = folder.names("man1");
-    assert_eq!(names.len(), 13, "{names:?}");
+    assert_eq!(names.len(), 14, "{names:?}");
     for (page, words) in
         [("skyfront.1", "a first look"), ("skyfront-segment.1", "NUMBER,X_IMAGE"), ("skyfront-man.1", "man1")]
     {

@@ -652,6 +652,26 @@ mod tests {
         parts_make_the_whole::<f32>(&default, &[3.0; COUNT], Known::default());
     }
 
+    /// A step that was begun in parts is ended as a whole, at every place where it may be.
+    #[test]
+    fn what_parts_began_is_ended_as_a_whole() {
+        let pixels: Vec<f32> = counts(4000.0, WIDTH).iter().map(|&count| f32::from(count)).collect();
+        let whole = left::<f32>(&Config::NOISE_AWARE, &pixels, Known::default(), usize::MAX);
+        for parts in 1..12 {
+            let mut room = Room::<f32>::new();
+            let mut run = Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work()).unwrap();
+            let found = loop {
+                let progress = (0..parts).map(|_| run.poll(3)).last();
+                if let Some(Ok(Progress::Done(found))) = progress {
+                    break found;
+                }
+                run.poll_by(&Alone).unwrap();
+            };
+            let left = room.left(told(found), found.regions, 0);
+            assert!(left.end == whole.end && left.words == whole.words, "after {parts} parts");
+        }
+    }
+
     fn counts_are_the_same_numbers<L: Level>() {
         for most in [200.0, 4000.0] {
             let padded = counts(most, WIDTH + 5);

@@ -159,7 +159,7 @@ mod tests {
     }
 
     fn resumed_runs_are_alike<L: Level>(config: &Config, pixels: &[f32], known: Known<'_>) {
-        for rows in [2, 11, HEIGHT] {
+        for rows in [1, 2, 11, HEIGHT] {
             let (found, expected) =
                 (restless::<L>(config, pixels, known, rows), left::<L>(config, pixels, known, rows));
             assert_eq!(found.end, expected.end, "{}, polls of {rows} rows", L::NAME);

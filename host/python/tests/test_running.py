@@ -43,10 +43,11 @@ def test_many_at_once(sky):
 
 INTERRUPTED = """
 import signal, sys, threading, time
+import numpy as np
 import skyfront
 # A process in the background may have been started with the signal ignored.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-image, _ = skyfront.simulate("noisy", shape=(1500, 1500))
+image = np.tile(skyfront.simulate("noisy", shape=(1500, 1500))[0], (2, 2))
 began = time.time()
 threading.Timer(0.3, lambda: signal.raise_signal(signal.SIGINT)).start()
 try:

@@ -153,19 +153,37 @@ pub unsafe extern "C" fn skyfront_run_start(
     message: *mut c_char,
     message_bytes: usize,
 ) -> i32 {
+    // SAFETY: the caller's promise; the setup's settings are as the caller promised.
+    unsafe {
+        begin((memory, bytes), setup, run, (message, message_bytes), |block, setup, message| {
+            start(block, setup, message)
+        })
+    }
+}
+
+/// Starts in the caller's memory what a setup asks for, gives it to `started` and says in words what is wrong.
+///
+/// # Safety
+/// `memory` points to so many bytes, which stay with what is started; `setup` to a setup, `started` to a pointer and
+/// `message`, if not null, to so many bytes.
+pub(crate) unsafe fn begin<S, R>(
+    (memory, bytes): (*mut c_void, usize),
+    setup: *const S,
+    started: *mut *mut R,
+    (message, message_bytes): (*mut c_char, usize),
+    start: impl FnOnce(Block, &S, &mut Message<'_>) -> Result<*mut R, i32>,
+) -> i32 {
     // SAFETY: the caller's promise.
-    let given = unsafe { (slice(setup, 1), slice_mut(run, 1), buffer(message, message_bytes)) };
-    let (Some([setup]), Some([run]), Some(buffer)) = given else { return SKYFRONT_ERROR_POINTER };
+    let given = unsafe { (slice(setup, 1), slice_mut(started, 1), buffer(message, message_bytes)) };
+    let (Some([setup]), Some([started]), Some(buffer)) = given else { return SKYFRONT_ERROR_POINTER };
     if memory.is_null() {
         return SKYFRONT_ERROR_POINTER;
     }
-    let mut message = Message { buffer, length: 0 };
     // SAFETY: the memory is the caller's to give, and stays with the run.
     let block = unsafe { Block::new(memory.cast(), bytes) };
-    // SAFETY: the setup's settings are as the caller promised.
-    match unsafe { start(block, setup, &mut message) } {
-        Ok(started) => {
-            *run = started;
+    match start(block, setup, &mut Message { buffer, length: 0 }) {
+        Ok(run) => {
+            *started = run;
             SKYFRONT_OK
         }
         Err(error) => error,

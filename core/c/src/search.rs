@@ -6,7 +6,7 @@ use crate::error::{
 };
 use crate::memory::{ALIGNMENT, Block};
 use crate::pointer::{pixels_of, slice, slice_mut};
-use crate::run::{buffer, set, skyfront_setting, tell};
+use crate::run::{begin, set, skyfront_setting, tell};
 use crate::track::skyfront_bad_pixel;
 use core::ffi::{c_char, c_void};
 use core::sync::atomic::{AtomicU8, AtomicU16};
@@ -125,22 +125,11 @@ pub unsafe extern "C" fn skyfront_search_start(
     message: *mut c_char,
     message_bytes: usize,
 ) -> i32 {
-    // SAFETY: the caller's promise.
-    let given = unsafe { (slice(setup, 1), slice_mut(search, 1), buffer(message, message_bytes)) };
-    let (Some([setup]), Some([search]), Some(buffer)) = given else { return SKYFRONT_ERROR_POINTER };
-    if memory.is_null() {
-        return SKYFRONT_ERROR_POINTER;
-    }
-    let mut message = Message { buffer, length: 0 };
-    // SAFETY: the memory is the caller's to give, and stays with the run.
-    let block = unsafe { Block::new(memory.cast(), bytes) };
-    // SAFETY: the setup is as the caller promised.
-    match unsafe { start(block, setup, &mut message) } {
-        Ok(started) => {
-            *search = started;
-            SKYFRONT_OK
-        }
-        Err(error) => error,
+    // SAFETY: the caller's promise; the setup is as the caller promised.
+    unsafe {
+        begin((memory, bytes), setup, search, (message, message_bytes), |block, setup, message| {
+            start(block, setup, message)
+        })
     }
 }
 

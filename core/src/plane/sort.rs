@@ -56,26 +56,12 @@ fn by_digit<const VALUES: usize>(
     from: &[u32],
     to: &mut [u32],
     places: &mut [u32; VALUES],
-    digit: impl Fn(u32) -> usize,
+    digit: impl Fn(u32) -> usize + Copy,
 ) {
     places.fill(0);
-    for &item in from {
-        if let Some(count) = places.get_mut(digit(item)) {
-            *count = count.wrapping_add(1);
-        }
-    }
-    let mut before = 0u32;
-    for place in places.iter_mut() {
-        (*place, before) = (before, before.wrapping_add(*place));
-    }
-    for &item in from {
-        if let Some(place) = places.get_mut(digit(item)) {
-            if let Some(out) = to.get_mut(*place as usize) {
-                *out = item;
-            }
-            *place = place.wrapping_add(1);
-        }
-    }
+    count_digits(from, places, digit);
+    begin_at(places);
+    lay(from, to, places, digit);
 }
 
 /// The same in parts, by bytes; at once where all may be done now.
@@ -101,12 +87,9 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
                 tally.places.fill(0);
             }
             let is_last = range.end > last;
-            count_bytes(part_of(from, range), &mut tally.places, byte);
+            count_digits(part_of(from, range), &mut tally.places, byte);
             if is_last {
-                let mut before = 0u32;
-                for place in &mut tally.places {
-                    (*place, before) = (before, before.wrapping_add(*place));
-                }
+                begin_at(&mut tally.places);
             }
         })?;
         walk.tally(count, 1, |tally, range| lay(part_of(from, range), to, &mut tally.places, byte))?;
@@ -122,22 +105,30 @@ pub(crate) fn by_key_in(walk: &mut Walk, items: &mut [u32], spare: &mut [u32], k
     })
 }
 
-/// Counts the items that have each byte.
+/// Counts the items that have each digit.
 // A function of its own: what it is lent cannot be the same memory.
 #[inline(never)]
-fn count_bytes(items: &[u32], places: &mut [u32; BYTES], byte: impl Fn(u32) -> usize) {
+fn count_digits<const VALUES: usize>(items: &[u32], places: &mut [u32; VALUES], digit: impl Fn(u32) -> usize) {
     for &item in items {
-        if let Some(count) = places.get_mut(byte(item)) {
+        if let Some(count) = places.get_mut(digit(item)) {
             *count = count.wrapping_add(1);
         }
     }
 }
 
-/// Lays every item at the place of its byte.
+/// Makes of counts the place of the first item of each digit.
+fn begin_at(places: &mut [u32]) {
+    let mut before = 0u32;
+    for place in places {
+        (*place, before) = (before, before.wrapping_add(*place));
+    }
+}
+
+/// Lays every item at the place of its digit.
 #[inline(never)]
-fn lay(items: &[u32], to: &mut [u32], places: &mut [u32; BYTES], byte: impl Fn(u32) -> usize) {
+fn lay<const VALUES: usize>(items: &[u32], to: &mut [u32], places: &mut [u32; VALUES], digit: impl Fn(u32) -> usize) {
     for &item in items {
-        if let Some(place) = places.get_mut(byte(item)) {
+        if let Some(place) = places.get_mut(digit(item)) {
             if let Some(out) = to.get_mut(*place as usize) {
                 *out = item;
             }

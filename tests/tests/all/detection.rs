@@ -56,7 +56,8 @@ fn false_sources_do_not_gather_at_the_border() {
         min_area: 1,
         ..Config::NOISE_AWARE
     };
-    let (width, height) = (1000, 40);
+    // A third of the pixels are near the border.
+    let (width, height) = (1000, 12);
     let mut found = 0;
     for seed in 7..17 {
         let pixels = &correlated(seed, width, 0.4)[..width * height];

@@ -62,7 +62,7 @@ def skyfront(pixels, program, _):
         words = [program, "segment", folder / "sky.fits", "--out", folder / "out", "--no-pictures", "--quiet"]
         subprocess.run([*words, "--map-only", "--columns", "xwin,ywin"], check=True)
         rows = csv.DictReader(line for line in open(folder / "out/catalog.csv") if line[0] != "#")
-        return np.array([[float(row["xwin"]), float(row["ywin"])] for row in rows]).reshape(-1, 2)
+        return np.array([[float(row["xwin"]), float(row["ywin"])] for row in rows]).reshape(-1, 2) - 1
 
 
 def source_extractor(pixels, _, threshold):
@@ -98,7 +98,7 @@ def photutils(pixels, _, threshold):
         return np.zeros((0, 2))
     labels = deblend_sources(smooth, labels, 5, n_levels=32, contrast=0.001, progress_bar=False)
     catalogue = SourceCatalog(above, labels, convolved_data=smooth)
-    return np.column_stack([catalogue.xcentroid_win, catalogue.ycentroid_win])
+    return np.column_stack([catalogue.x_centroid_win, catalogue.y_centroid_win])
 
 
 # Every tool with the thresholds that may be tried; Skyfront has a number of false sources for them.

@@ -28,7 +28,8 @@ const SHARPENING: f32 = 0.6;
 const NARROW_WIDE: f32 = 3.4;
 /// See [`NARROW_WIDE`].
 const NARROW_SHARPENING: f32 = 3.0;
-/// What stands out there by so many times the height that noise reaches is no unevenness of a wide source.
+/// What stands out there by so many times the height that noise reaches, or more than it ever reaches where no share of
+/// the sources may be false, is no unevenness of a wide source.
 const STANDS_OUT: f32 = 1.2;
 /// It needs this part of the smallest peak and light.
 const LENIENCY: f32 = 0.5;
@@ -71,6 +72,8 @@ pub struct Planes<'m, L: Level> {
 pub struct Cut {
     /// In the noise of the image; 0 where none is asked for.
     pub significance: f32,
+    /// The same where no share of the sources may be false.
+    strict: f32,
     /// The noise of the matched image.
     matched: Noise,
     /// The noise of the narrow image.
@@ -79,7 +82,7 @@ pub struct Cut {
 
 impl Cut {
     /// Every peak will do.
-    pub const NONE: Cut = Cut { significance: 0.0, matched: Noise::ONE, narrow: Noise::ONE };
+    pub const NONE: Cut = Cut { significance: 0.0, strict: 0.0, matched: Noise::ONE, narrow: Noise::ONE };
 }
 
 /// The noise of an image in which peaks are sought.
@@ -100,9 +103,9 @@ impl Noise {
         Noise { size: measured.greatest(white), unseen: (white - measured).positive() }
     }
 
-    /// How many times `height` noise units a value is.
-    fn times(&self, value: f32, height: f32) -> f32 {
-        if self.size > 0.0 { (value - UNSEEN * self.unseen) / (height * self.size) } else { f32::MAX }
+    /// A value in units of it.
+    fn units(&self, value: f32) -> f32 {
+        if self.size > 0.0 { (value - UNSEEN * self.unseen) / self.size } else { f32::MAX }
     }
 }
 
@@ -140,8 +143,8 @@ impl<L: Level> Cutting<L> {
         for tail in [&mut self.narrow, &mut self.matched, &mut self.slope] {
             tail.code(codec)?;
         }
-        let Cut { significance, matched, narrow } = &mut self.cut;
-        for real in [&mut self.allowed, significance] {
+        let Cut { significance, strict, matched, narrow } = &mut self.cut;
+        for real in [&mut self.allowed, significance, strict] {
             codec.real(real)?;
         }
         for Noise { size, unseen } in [matched, narrow] {
@@ -186,8 +189,9 @@ pub(crate) fn cut<L: Level, P: Sample>(
     let roughness = if noise > 0.0 { slope / noise } else { 0.0 };
     let (columns, rows) = view.image();
     let elements = (columns * rows) as f32 * roughness * roughness;
-    walk.once(1, || {
-        *cut = Cut { significance: 0.0, matched, narrow };
+    walk.once(8, || {
+        let strict = tail.raised(height(elements, config.significance.false_sources));
+        *cut = Cut { significance: 0.0, strict, matched, narrow };
         *allowed = config.significance.false_sources;
     })?;
     // What reaches how far can only be told in the noise of all parts.
@@ -323,11 +327,11 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
             && region.sum >= L::share(L::ONE.times(1), part * light)
     };
     let (narrow, matched) = region.offsets;
-    let (narrow, matched) = (cut.narrow.times(narrow, STANDS_OUT), cut.matched.times(matched, 1.0));
+    let (narrow, matched) = (cut.narrow.units(narrow), cut.matched.units(matched));
     if enough(1.0, least_area) {
         matched
     } else if !divided && enough(LENIENCY, narrow_area(config.min_area)) {
-        matched.least(narrow)
+        if narrow >= cut.strict { matched } else { matched.least(narrow / STANDS_OUT) }
     } else {
         -1.0
     }
@@ -397,7 +401,7 @@ mod tests {
         }
         // Twice what is unseen could take light away.
         let noise = Noise::of(0.1, 0.5, given);
-        assert_eq!((noise.times(3.3, 1.0), noise.times(3.3, 5.0)), (5.0, 1.0));
-        assert_eq!(Noise::of(0.0, 0.5, Known::default()).times(1.0, 1.2), f32::MAX);
+        assert_eq!(noise.units(3.3), 5.0);
+        assert_eq!(Noise::of(0.0, 0.5, Known::default()).units(1.0), f32::MAX);
     }
 }

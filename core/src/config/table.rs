@@ -4,12 +4,12 @@
 //! the keys of configuration files, the headers of results and the manual. A new setting is a field
 //! of [`Config`] and an entry here.
 
-use super::filter;
 use super::parameter::{Access, Bounds, End, Need, Numbers, Parameter, Range, Slot, Step, Value, Word, word};
 use super::{
     Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Motion, Normalize, Order,
     Rescale, Scheme, Select, Separate, Start, Stop, Tau,
 };
+use super::{filter, scheme};
 use crate::arithmetic::digest::Digest;
 use crate::error::Error;
 use Slot::{Long, Real, Short};
@@ -139,7 +139,7 @@ table![
         .at(Step::Speed, &[EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
         .range(Range { least: End::At(0.0), most: End::Beyond(1.0) })
         .help("Constant of g2mod: the front is held where g2 is below it."),
-    choice("scheme", "SFSCHEME", SCHEMES, |c| Some(Value::word(c.scheme.name())), set_scheme)
+    choice("scheme", "SFSCHEME", &scheme::WORDS, |c| Some(Value::word(c.scheme.name())), set_scheme)
         .at(Step::Front, &[])
         .common()
         .help("Scheme that moves the front."),
@@ -397,16 +397,6 @@ const EDGES: &[Word] = &[
     word("g2", "falls evenly from the least gradient of the image to the greatest"),
     word("g2mod", "g2 above c2, stretched to [0, 1]"),
 ];
-const SCHEMES: &[Word] = &[
-    word("region", "from the threshold, outwards where there is more signal-to-noise and inwards where there is less"),
-    word("fd", "finite differences of first order"),
-    word("sl", "semi-Lagrangian"),
-    word("fd-curvature", "finite differences with curvature"),
-    word("sl-curvature", "semi-Lagrangian with curvature"),
-    word("fd-filtered", "finite differences of second order, filtered"),
-    word("chan-vese", "two regions of least variance, without edges"),
-    word("fast-marching", "arrival times in one pass"),
-];
 const CURVATURE_FORMS: &[Word] =
     &[word("consistent", "approximates the equation"), word("printed", "as the paper has it; never settles")];
 const DIRECTIONS: &[Word] = &[word("16", ""), word("64", "")];
@@ -449,7 +439,7 @@ fn set_sky(config: &mut Config, value: Value) {
 fn set_dx(config: &mut Config, value: Value) {
     if let Numbers::One(dx) = value.numbers {
         config.dx = dx;
-        config.dt = Config::paper_dt(config.scheme, dx);
+        config.dt = config.scheme.usual_dt(dx);
     }
 }
 

@@ -71,7 +71,7 @@ impl Config {
         if self.motion == Motion::Outward && self.start != Start::Given {
             return apart("motion", "outward", "start", "map");
         }
-        if self.motion == Motion::Outward && matches!(self.scheme, Scheme::Region | Scheme::ChanVese) {
+        if self.motion == Motion::Outward && (self.scheme == Scheme::Region || self.scheme.is_by_regions()) {
             return apart("motion", "outward", "scheme", "fd");
         }
         if self.filter.uses_front_plane() && self.start == Start::Given {

@@ -3,7 +3,7 @@
 use crate::arithmetic::vectors::COLUMNS;
 use crate::arithmetic::vectors::Vectors;
 use crate::arithmetic::{Arithmetic, Real};
-use crate::config::{Config, Scheme, Stop};
+use crate::config::{Config, Stop};
 use crate::front::region::Moments;
 use crate::plane::sweep::RowOf;
 
@@ -101,7 +101,7 @@ impl<A: Arithmetic> StopRule<A> {
             Stop::Rate => config.eps * config.dt,
         };
         // Every pixel takes part in the means of Chan and Vese.
-        let near = if config.scheme == Scheme::ChanVese { 1.0 } else { config.eps_front * unit };
+        let near = if config.scheme.is_by_regions() { 1.0 } else { config.eps_front * unit };
         StopRule { stop: config.stop, near: A::Real::of(near), rest: (eps / scale) as u64, scale }
     }
 

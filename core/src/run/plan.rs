@@ -190,7 +190,7 @@ impl<'a> Plan<'a> {
             Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => u32::from(starts_near),
             // Regions are told apart by the image itself.
-            Stage::Edge => u32::from(config.scheme != Scheme::ChanVese),
+            Stage::Edge => u32::from(!config.scheme.is_by_regions()),
             Stage::Evolve if marches => 0,
             Stage::Evolve => config.max_steps(),
             Stage::Seed | Stage::Sow | Stage::Arrive => u32::from(marches),

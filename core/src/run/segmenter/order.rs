@@ -2,7 +2,7 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::Arithmetic;
-use crate::config::{Filter, Normalize, Rescale, Scheme, Tau};
+use crate::config::{Filter, Normalize, Rescale, Tau};
 use crate::error::Error;
 use crate::front::region::{Moments, Regions};
 use crate::front::scheme::Evolve;
@@ -96,7 +96,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 let at_rest = self.rule.at_rest(&state.change);
                 let moved = state.change.regions;
                 state.change = Change::none(&self.rule);
-                if self.config.scheme == Scheme::ChanVese && state.regions.turn(&moved) {
+                if self.config.scheme.is_by_regions() && state.regions.turn(&moved) {
                     Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
                 }
                 if at_rest {
@@ -136,7 +136,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             }
             (Stage::Front, _) => state.regions = Regions::NONE,
             (Stage::Evolve, _) => {
-                if self.config.scheme == Scheme::ChanVese {
+                if self.config.scheme.is_by_regions() {
                     state.regions.turn(&Moments::default());
                 }
                 Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();

@@ -2,7 +2,7 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::{Motion, Normalize, Rescale, Scheme, Start, Tau};
+use crate::config::{Motion, Normalize, Rescale, Start, Tau};
 use crate::error::Error;
 use crate::front::march::March;
 use crate::front::profile::turn_row;
@@ -83,7 +83,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
             }
         }
-        if self.config.scheme == Scheme::ChanVese {
+        if self.config.scheme.is_by_regions() {
             let image = row_of(self.memory.image, self.width, y);
             self.state.regions.add_row::<A>(row_of(self.memory.front, self.width, y), image);
         }

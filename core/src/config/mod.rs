@@ -115,7 +115,7 @@ pub struct ChanVese {
     /// Of the contour's length, in squared image units (0 to 1) times the paper's unit of length;
     /// 0 to 10. A disc of contrast c as small as a radius of `2 mu / c^2` is smoothed away.
     pub mu: f32,
-    /// Of the variance inside; above 0, at most 10.
+    /// Of the variance inside; above 0, at most 10. Four phases weigh alike, as do these at 1.
     pub lambda1: f32,
     /// Of the variance outside; above 0, at most 10.
     pub lambda2: f32,
@@ -205,7 +205,7 @@ pub struct Config {
     pub scheme: Scheme,
     /// Weight of the curvature, 0 to 1.
     pub nu: f32,
-    /// Weights of the energy of [`Scheme::ChanVese`].
+    /// Weights of the energy of [`Scheme::ChanVese`] and [`Scheme::Multiphase`].
     pub chan_vese: ChanVese,
     /// Form of the curvature averages.
     pub curvature_form: CurvatureForm,
@@ -344,7 +344,7 @@ impl Config {
     pub fn with_scheme(self, scheme: Scheme) -> Config {
         let config = Config { scheme, dt: scheme.usual_dt(self.dx), ..self };
         match (scheme.is_by_regions(), self.start) {
-            (true, Start::Frame) => {
+            (true, Start::Frame) if !scheme.has_two_fronts() => {
                 Config { start: Start::Threshold { margin: 1.0 }, t_max: 200.0 * config.dt, ..config }
             }
             (true, _) => Config { t_max: 200.0 * config.dt, ..config },

@@ -22,12 +22,15 @@ pub enum Scheme {
     /// Active contours without edges ([`crate::front::scheme::ChanVese`]), by the regions of the filtered
     /// image; the edge detector has no meaning there.
     ChanVese,
+    /// Active contours without edges with four phases in place of two regions
+    /// ([`crate::front::scheme::Multiphase`]).
+    Multiphase,
     /// The first-order equation by arrival times, in one pass (see [`crate::front::march`]): the front at
     /// `t_max`. The time step has no meaning there.
     FastMarching,
 }
 
-const SCHEMES: usize = 8;
+const SCHEMES: usize = 9;
 
 impl Scheme {
     /// Every scheme.
@@ -39,6 +42,7 @@ impl Scheme {
         Scheme::SlCurvature,
         Scheme::FdFiltered,
         Scheme::ChanVese,
+        Scheme::Multiphase,
         Scheme::FastMarching,
     ];
 
@@ -54,6 +58,7 @@ impl Scheme {
             Scheme::SlCurvature => word("sl-curvature", "semi-Lagrangian with curvature"),
             Scheme::FdFiltered => word("fd-filtered", "finite differences of second order, filtered"),
             Scheme::ChanVese => word("chan-vese", "two regions of least variance, without edges"),
+            Scheme::Multiphase => word("multiphase", "four regions of least variance, without edges"),
             Scheme::FastMarching => word("fast-marching", "arrival times in one pass"),
         }
     }
@@ -66,7 +71,12 @@ impl Scheme {
     /// Whether it parts the image into regions by their means: no edge holds its front, and every
     /// pixel takes part.
     pub const fn is_by_regions(self) -> bool {
-        matches!(self, Scheme::ChanVese)
+        matches!(self, Scheme::ChanVese | Scheme::Multiphase)
+    }
+
+    /// Whether it moves two fronts in the plane of one.
+    pub const fn has_two_fronts(self) -> bool {
+        matches!(self, Scheme::Multiphase)
     }
 
     /// The paper's time step: dx/4, dx^2 with curvature, dx for semi-Lagrangian. Ours for Chan and
@@ -76,7 +86,7 @@ impl Scheme {
             Scheme::Region | Scheme::Fd | Scheme::FdFiltered | Scheme::FastMarching => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
-            Scheme::ChanVese => 8.0,
+            Scheme::ChanVese | Scheme::Multiphase => 8.0,
         }
     }
 }

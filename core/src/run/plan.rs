@@ -167,7 +167,8 @@ impl<'a> Plan<'a> {
     fn most_passes(self, stage: Stage) -> u32 {
         let config = self.0;
         let marches = config.scheme == Scheme::FastMarching;
-        let starts_near = matches!(config.start, Start::Threshold { .. });
+        let by_values = config.scheme.has_two_fronts();
+        let starts_near = matches!(config.start, Start::Threshold { .. }) && !by_values;
         match stage {
             Stage::LowPercentile | Stage::HighPercentile => match config.normalize {
                 Normalize::Percentile { .. } => select::PASSES,
@@ -186,6 +187,8 @@ impl<'a> Plan<'a> {
             },
             Stage::Rescale => u32::from(config.rescale != Rescale::None),
             Stage::Filter => config.filter.passes(config.filter_steps),
+            // Four phases start from the classes of a histogram.
+            Stage::StartLevel if by_values => 1,
             // The tau of r3 serves both.
             Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => u32::from(starts_near),
@@ -197,6 +200,8 @@ impl<'a> Plan<'a> {
             // As many looks a row as a row has pixels, and a last row that finds no pixel left.
             Stage::March if marches => march::looks(config.farthest()).saturating_add(1),
             Stage::March => 0,
+            // Phases are counted, then ranked.
+            Stage::Turn if by_values => 2,
             Stage::Turn => u32::from(config.motion == Motion::Outward),
             Stage::Done => 0,
             _ => 1,

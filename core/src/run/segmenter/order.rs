@@ -4,7 +4,7 @@ use super::{Segmenter, corrupted};
 use crate::arithmetic::Arithmetic;
 use crate::config::{Filter, Normalize, Rescale, Tau};
 use crate::error::Error;
-use crate::front::region::{Moments, Regions};
+use crate::front::region::{Means, Moments};
 use crate::front::scheme::Evolve;
 use crate::front::stop::Change;
 use crate::image::filter::starlet::Starlet;
@@ -64,6 +64,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 Rescale::R3 { tau, .. } => state.tau = counts.threshold(tau),
                 _ => {}
             },
+            Stage::StartLevel if self.config.scheme.has_two_fronts() => {
+                state.regions.means = Means::of(counts.four_classes());
+            }
             Stage::StartLevel => state.tau = counts.otsu(),
             Stage::March if state.marching => {
                 // A march that was left alone ends before its bound.
@@ -105,6 +108,12 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     return Ok(());
                 }
             }
+            Stage::Turn => {
+                if self.config.scheme.has_two_fronts() && state.pass < 2 {
+                    state.regions.turn(&Moments::default());
+                    return Ok(());
+                }
+            }
             _ => {}
         }
         self.begin_stage(self.stage_after(self.state.stage))
@@ -134,7 +143,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
                 state.fill = state.range.apply(state.fill, 0.0);
             }
-            (Stage::Front, _) => state.regions = Regions::NONE,
+            (Stage::Front | Stage::Turn, _) => state.regions = state.regions.anew(),
             (Stage::Evolve, _) => {
                 if self.config.scheme.is_by_regions() {
                     state.regions.turn(&Moments::default());

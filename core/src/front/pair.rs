@@ -55,7 +55,7 @@ pub fn change<C: Bits>(old: &[C], new: &[C]) -> (u64, u32) {
 /// Puts each pixel of a row into the phase with the mean nearest to it: the first of several.
 pub fn start_row<A: Arithmetic>(means: &Means, image: &[A::Cell], row: &mut [A::Cell]) {
     let means = means.values::<A>();
-    for (cell_, &pixel) in row.iter_mut().zip(image) {
+    for (start, &pixel) in row.iter_mut().zip(image) {
         let pixel = A::pixel(pixel);
         let [mut nearest, _, _, _] = PHASES;
         let mut least: Option<A::Real> = None;
@@ -65,8 +65,14 @@ pub fn start_row<A: Arithmetic>(means: &Means, image: &[A::Cell], row: &mut [A::
                 (least, nearest) = (Some(distance), phase);
             }
         }
-        *cell_ = cell(nearest.map(|inside| if inside { A::Real::ONE } else { -A::Real::ONE }));
+        *start = cell(nearest.map(|inside| if inside { A::Real::ONE } else { -A::Real::ONE }));
     }
+}
+
+/// Puts each pixel of a row wholly into the phase that the signs of its fronts tell.
+pub fn decide_row<A: Arithmetic>(row: &mut [A::Cell]) {
+    let side = |steps: i32| if steps > 0 { A::Real::ONE } else { -A::Real::ONE };
+    row.iter_mut().for_each(|pair| *pair = cell(steps(*pair).map(side)));
 }
 
 /// Turns the two fronts of a row into the ranks of their phases, as front values.
@@ -109,6 +115,12 @@ mod tests {
         let (image, mut row) = ([0.0f32, 0.25, 0.69, 0.71], [0.0; 4]);
         start_row::<F32>(&means, &image, &mut row);
         assert_eq!(row.map(|cell| steps(cell).map(|steps| steps > 0)), PHASES);
+        row = row.map(|pair| cell(super::values::<f32>(pair).map(|value| value * 0.01)));
+        decide_row::<F32>(&mut row);
+        assert_eq!(
+            row.map(super::values::<f32>),
+            PHASES.map(|phase| phase.map(|inside| if inside { 1.0 } else { -1.0 }))
+        );
         rank_row::<F32>([2, 0, 3, 1], &mut row);
         assert_eq!(row, [2.0, 0.0, 3.0, 1.0]);
     }

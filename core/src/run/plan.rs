@@ -200,7 +200,7 @@ impl<'a> Plan<'a> {
             // As many looks a row as a row has pixels, and a last row that finds no pixel left.
             Stage::March if marches => march::looks(config.farthest()).saturating_add(1),
             Stage::March => 0,
-            // Phases are counted, then ranked.
+            // Pixels are put into one phase each, then phases ranked.
             Stage::Turn if by_values => 2,
             Stage::Turn => u32::from(config.motion == Motion::Outward),
             Stage::Done => 0,

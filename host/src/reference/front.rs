@@ -1,6 +1,8 @@
 //! Step 5: the front from u0 until it stops (`critarr`).
 
-use super::{Parameters, Plane, Scheme, Stop, arrival, chan_vese, fd, fd_curvature, fd_filtered, sl, sl_curvature};
+use super::{
+    Parameters, Plane, Scheme, Stop, arrival, chan_vese, fd, fd_curvature, fd_filtered, multiphase, sl, sl_curvature,
+};
 
 /// What ended an evolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +28,7 @@ pub struct Evolution {
     pub changes: Vec<f64>,
 }
 
-/// One time step of the chosen scheme. Chan and Vese take the image in the place of g; times of arrival are those of
+/// One time step of a scheme with one front; those of two are [`super::multiphase`]'s. Chan and Vese take the image in the place of g; times of arrival are those of
 /// `DFg`.
 pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
     match p.scheme {
@@ -36,13 +38,17 @@ pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
         Scheme::Sl => sl::step(p, g, v),
         Scheme::SlCurvature => sl_curvature::step(p, g, v),
         Scheme::ChanVese => chan_vese::step(p, g, v),
+        Scheme::Multiphase => v.clone(),
     }
 }
 
-/// Steps from `u0` until the stopping rule is met or T_max is reached.
+/// Steps from `u0`, or of two fronts from the image's own classes, until the stopping rule is met or T_max is reached.
 pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
     if p.scheme == Scheme::FastMarching {
         return marched(p, g, u0);
+    }
+    if p.scheme == Scheme::Multiphase {
+        return multiphase::evolve(p, g);
     }
     let mut u = u0.clone();
     let mut changes = Vec::new();

@@ -98,7 +98,10 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     fn turn_row(&mut self, y: usize) {
         let row = row_of_mut(self.memory.front, self.width, y);
         match (self.config.scheme.has_two_fronts(), self.state.pass) {
-            (true, 0) => self.state.regions.add_row::<A>(row, row_of(self.memory.image, self.width, y)),
+            (true, 0) => {
+                pair::decide_row::<A>(row);
+                self.state.regions.add_row::<A>(row, row_of(self.memory.image, self.width, y));
+            }
             (true, _) => pair::rank_row::<A>(self.state.regions.ranks(), row),
             (false, _) => turn_row::<A>(row),
         }

@@ -140,7 +140,7 @@ fn fewer_levels_are_fewer_phases() {
 #[test]
 fn threads_slices_and_arithmetics_agree() {
     let pixels = sky(Kind::Bright, 8, SIDE, SIDE);
-    let config = on_a_sky();
+    let config = with_noise(plain());
     let run = |threads, slice| {
         let mut drive = Drive { threads, slice, ..Drive::default() };
         segment(&config, &pixels, SIDE, SIDE, &mut drive).expect("a sky")

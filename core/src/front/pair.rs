@@ -4,11 +4,15 @@
 //! infinity or NaN.
 
 use crate::arithmetic::{Arithmetic, Bits, Real};
-use crate::front::region::{Means, PHASES};
 
 /// Steps of a value from 0 to 1.
 pub const UNIT: i32 = 16_384;
 const SIGN: u32 = 1 << 15;
+
+/// The phases that two fronts part an image into, so that those next to each other differ in one
+/// front only: whether they lie inside the first and inside the second. Of one front alone the first
+/// phase is what lies outside, the second what lies inside.
+pub const PHASES: [[bool; 2]; 4] = [[false, false], [true, false], [true, true], [false, true]];
 
 /// The two values of a cell, in steps; those that are none of [`cell`] are held at the ends.
 #[inline(always)]
@@ -52,9 +56,9 @@ pub fn change<C: Bits>(old: &[C], new: &[C]) -> (u64, u32) {
     })
 }
 
-/// Puts each pixel of a row into the phase with the mean nearest to it: the first of several.
-pub fn start_row<A: Arithmetic>(means: &Means, image: &[A::Cell], row: &mut [A::Cell]) {
-    let means = means.values::<A>();
+/// Puts each pixel of a row into the phase with the mean nearest to it, the first of several; means in the order of
+/// [`PHASES`].
+pub fn start_row<A: Arithmetic>(means: [A::Real; 4], image: &[A::Cell], row: &mut [A::Cell]) {
     for (start, &pixel) in row.iter_mut().zip(image) {
         let pixel = A::pixel(pixel);
         let [mut nearest, _, _, _] = PHASES;
@@ -111,9 +115,9 @@ mod tests {
 
     #[test]
     fn a_pixel_starts_in_the_nearest_phase_and_ends_as_its_rank() {
-        let means = Means::of([0.1, 0.3, 0.5, 0.9]);
+        let means = [0.1, 0.3, 0.5, 0.9];
         let (image, mut row) = ([0.0f32, 0.25, 0.69, 0.71], [0.0; 4]);
-        start_row::<F32>(&means, &image, &mut row);
+        start_row::<F32>(means, &image, &mut row);
         assert_eq!(row.map(|cell| steps(cell).map(|steps| steps > 0)), PHASES);
         row = row.map(|pair| cell(super::values::<f32>(pair).map(|value| value * 0.01)));
         decide_row::<F32>(&mut row);

@@ -9,7 +9,7 @@
 
 use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Arithmetic, Bits, Real};
-use crate::front::pair;
+use crate::front::pair::{self, PHASES};
 
 /// Units of a front value and of an image value.
 const LEVELS: f32 = 4096.0;
@@ -112,11 +112,6 @@ fn signed<C: Codec>(codec: &mut C, number: &mut i64) -> Result<(), C::Error> {
     *number = bits as i64;
     Ok(())
 }
-
-/// The phases that two fronts part an image into, so that those next to each other differ in one
-/// front only: whether they lie inside the first and inside the second. Of one front alone the first
-/// phase is what lies outside, the second what lies inside.
-pub const PHASES: [[bool; 2]; 4] = [[false, false], [true, false], [true, true], [false, true]];
 
 /// The means of the phases, in units of 2^-20.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

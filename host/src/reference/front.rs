@@ -1,5 +1,6 @@
 //! Step 5: the front from u0 until it stops (`critarr`).
 
+use super::initial::half_side;
 use super::{
     Parameters, Plane, Scheme, Stop, arrival, chan_vese, fd, fd_curvature, fd_filtered, multiphase, sl, sl_curvature,
 };
@@ -48,7 +49,7 @@ pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
         return marched(p, g, u0);
     }
     if p.scheme == Scheme::Multiphase {
-        return multiphase::evolve(p, g);
+        return parted(p, g);
     }
     let mut u = u0.clone();
     let mut changes = Vec::new();
@@ -64,6 +65,27 @@ pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
         }
     }
     let steps = changes.len() as u32;
+    Evolution { u, steps, t: f64::from(steps) * p.dt, ended, changes }
+}
+
+/// Two fronts from the classes of the image; u at the end has the ranks of their phases.
+fn parted(p: &Parameters, image: &Plane) -> Evolution {
+    let mut means = multiphase::classes(image);
+    let mut fronts = multiphase::start(image, means);
+    let (mut changes, mut ended) = (Vec::new(), Ended::TimeLimit);
+    for _ in 0..p.max_steps() {
+        means = fronts.means(image, means);
+        let next = fronts.step(p, image, means);
+        let (change, crossed) = multiphase::change(p, &fronts, &next);
+        fronts = next;
+        changes.push(change);
+        if at_rest(p, change, crossed) {
+            ended = Ended::Converged;
+            break;
+        }
+    }
+    let half = half_side(image);
+    let (u, steps) = (fronts.ranks(image).map(|rank| rank / half), changes.len() as u32);
     Evolution { u, steps, t: f64::from(steps) * p.dt, ended, changes }
 }
 

@@ -2,7 +2,6 @@
 //! H of [`super::chan_vese`] for v in \[-1, 1\], v = u counted in pixels.
 
 use super::chan_vese::pull;
-use super::front::{Ended, Evolution, at_rest};
 use super::initial::half_side;
 use super::{Parameters, Plane};
 
@@ -49,7 +48,7 @@ impl Fronts {
     }
 
     /// Both after a step: the first, then the second beside it. The means are those of [`PHASES`].
-    fn step(&self, p: &Parameters, image: &Plane, means: [f64; 4]) -> Fronts {
+    pub(super) fn step(&self, p: &Parameters, image: &Plane, means: [f64; 4]) -> Fronts {
         let moved = Fronts { first: self.step_first(p, image, means), second: self.second.clone() };
         Fronts { second: moved.step_second(p, image, means), first: moved.first }
     }
@@ -135,30 +134,8 @@ pub fn classes(image: &Plane) -> [f64; 4] {
     })
 }
 
-/// Steps from the classes of the image until the stopping rule is met or T_max is reached; u at the end has the ranks of
-/// the phases.
-pub(super) fn evolve(p: &Parameters, image: &Plane) -> Evolution {
-    let mut means = classes(image);
-    let mut fronts = start(image, means);
-    let (mut changes, mut ended) = (Vec::new(), Ended::TimeLimit);
-    for _ in 0..p.max_steps() {
-        means = fronts.means(image, means);
-        let next = fronts.step(p, image, means);
-        let (change, crossed) = change(p, &fronts, &next);
-        fronts = next;
-        changes.push(change);
-        if at_rest(p, change, crossed) {
-            ended = Ended::Converged;
-            break;
-        }
-    }
-    let half = half_side(image);
-    let (u, steps) = (fronts.ranks(image).map(|rank| rank / half), changes.len() as u32);
-    Evolution { u, steps, t: f64::from(steps) * p.dt, ended, changes }
-}
-
 /// dx^2 times the sum of what both fronts change, in the unit of the paper's u, and whether a pixel crosses one of them.
-fn change(p: &Parameters, old: &Fronts, new: &Fronts) -> (f64, bool) {
+pub(super) fn change(p: &Parameters, old: &Fronts, new: &Fronts) -> (f64, bool) {
     let both = [(&old.first, &new.first), (&old.second, &new.second)];
     let pairs = both.iter().flat_map(|(old, new)| old.values().iter().zip(new.values()));
     let sum = pairs.clone().map(|(a, b)| (b - a).abs()).sum::<f64>();

@@ -8,8 +8,7 @@ use skyfront::read::image;
 use skyfront_core::arithmetic::{F32, Q11, Q24};
 use skyfront_core::config::{ChanVese, Config, Filter, Normalize, Rescale, Scheme, Tau};
 use skyfront_core::error::Error;
-use skyfront_core::front::pair;
-use skyfront_core::front::region::PHASES;
+use skyfront_core::front::pair::{self, PHASES};
 use skyfront_core::run::frame::SliceFrame;
 use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::run::stage::Stage;
@@ -146,7 +145,7 @@ fn threads_slices_and_arithmetics_agree() {
         segment(&config, &pixels, SIDE, SIDE, &mut drive).expect("a sky")
     };
     let whole = run(1, usize::MAX);
-    assert!(whole.outcome.sources > 3 && whole.outcome.steps > 3, "{:?}", whole.outcome);
+    assert!(whole.outcome.sources > 2 && whole.outcome.steps > 3, "{:?}", whole.outcome);
     let pixels_of = |phase: f32| whole.front.iter().filter(|&&other| other == phase).count();
     let phases = [0.0, 1.0, 2.0, 3.0].map(pixels_of);
     assert!(phases.iter().all(|&pixels| pixels > 0), "{phases:?}");

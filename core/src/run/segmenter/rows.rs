@@ -72,7 +72,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
         match self.config.start {
             _ if self.config.scheme.has_two_fronts() => {
                 let image = row_of(self.memory.image, self.width, y);
-                pair::start_row::<A>(&self.state.regions.means, image, row);
+                pair::start_row::<A>(self.state.regions.means.values::<A>(), image, row);
             }
             Start::Frame => self.profile.row::<A>(y, row),
             Start::Threshold { margin } => self.profile.outside_row::<A>(margin, row),

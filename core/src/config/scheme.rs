@@ -30,22 +30,21 @@ pub enum Scheme {
     FastMarching,
 }
 
-const SCHEMES: usize = 9;
+/// Makes the lists of the schemes.
+macro_rules! schemes {
+    ($($scheme:ident),+ $(,)?) => {
+        impl Scheme {
+            /// Every scheme.
+            pub const ALL: [Scheme; [$(Scheme::$scheme),+].len()] = [$(Scheme::$scheme),+];
+        }
+        /// Their words.
+        pub(super) const WORDS: &[Word] = &[$(Scheme::$scheme.word()),+];
+    };
+}
+
+schemes!(Region, Fd, Sl, FdCurvature, SlCurvature, FdFiltered, ChanVese, Multiphase, FastMarching);
 
 impl Scheme {
-    /// Every scheme.
-    pub const ALL: [Scheme; SCHEMES] = [
-        Scheme::Region,
-        Scheme::Fd,
-        Scheme::Sl,
-        Scheme::FdCurvature,
-        Scheme::SlCurvature,
-        Scheme::FdFiltered,
-        Scheme::ChanVese,
-        Scheme::Multiphase,
-        Scheme::FastMarching,
-    ];
-
     const fn word(self) -> Word {
         match self {
             Scheme::Region => word(
@@ -90,14 +89,3 @@ impl Scheme {
         }
     }
 }
-
-/// Their words.
-pub(super) const WORDS: [Word; SCHEMES] = {
-    let mut words = [word("", ""); SCHEMES];
-    let mut at = 0;
-    while at < SCHEMES {
-        words[at] = Scheme::ALL[at].word();
-        at += 1;
-    }
-    words
-};

@@ -139,7 +139,7 @@ table![
         .at(Step::Speed, &[EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
         .range(Range { least: End::At(0.0), most: End::Beyond(1.0) })
         .help("Constant of g2mod: the front is held where g2 is below it."),
-    choice("scheme", "SFSCHEME", &scheme::WORDS, |c| Some(Value::word(c.scheme.name())), set_scheme)
+    choice("scheme", "SFSCHEME", scheme::WORDS, |c| Some(Value::word(c.scheme.name())), set_scheme)
         .at(Step::Front, &[])
         .common()
         .help("Scheme that moves the front."),

@@ -108,11 +108,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                     return Ok(());
                 }
             }
-            Stage::Turn => {
-                if self.config.scheme.has_two_fronts() && state.pass < 2 {
-                    state.regions.turn(&Moments::default());
-                    return Ok(());
-                }
+            Stage::Turn if self.config.scheme.has_two_fronts() && state.pass < 2 => {
+                state.regions.turn(&Moments::default());
+                return Ok(());
             }
             _ => {}
         }

@@ -79,12 +79,13 @@ pub fn decide_row<A: Arithmetic>(row: &mut [A::Cell]) {
     row.iter_mut().for_each(|pair| *pair = cell(steps(*pair).map(side)));
 }
 
-/// Turns the two fronts of a row into the ranks of their phases, as front values.
+/// Turns the two fronts of a row into the ranks of their phases, as front values: -1 for the darkest, what is outside,
+/// and above it from 1 on.
 pub fn rank_row<A: Arithmetic>(ranks: [u8; 4], row: &mut [A::Cell]) {
     for cell in row {
         let inside = steps(*cell).map(|steps| steps > 0);
         let rank = PHASES.iter().zip(ranks).find(|(phase, _)| **phase == inside).map_or(0, |(_, rank)| rank);
-        *cell = A::to_level(A::Real::of(f32::from(rank)));
+        *cell = A::to_level(if rank == 0 { -A::Real::ONE } else { A::Real::of(f32::from(rank)) });
     }
 }
 
@@ -126,7 +127,7 @@ mod tests {
             PHASES.map(|phase| phase.map(|inside| if inside { 1.0 } else { -1.0 }))
         );
         rank_row::<F32>([2, 0, 3, 1], &mut row);
-        assert_eq!(row, [2.0, 0.0, 3.0, 1.0]);
+        assert_eq!(row, [2.0, -1.0, 3.0, 1.0]);
     }
 
     #[test]

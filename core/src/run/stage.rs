@@ -48,7 +48,7 @@ pub enum Stage {
     /// Times become the front at `t_max`.
     Arrive,
     /// The front's sign is turned, where it grew: what it enclosed comes to lie above 0. Two fronts become
-    /// their phases, ranked by their means from 0 for the darkest (two passes).
+    /// their phases, ranked by their means: -1 for the darkest, then 1 to 3 (two passes).
     Turn,
     /// Provisional labels (label pass 1).
     Provisional,

@@ -37,13 +37,16 @@ impl Fronts {
         std::array::from_fn(|at| if weight[at] > 0.0 { light[at] / weight[at] } else { before[at] })
     }
 
-    /// The phase of each pixel by the signs of both fronts, as its place among those that have pixels: 0 for the one with
-    /// the least mean.
+    /// The phase of each pixel by the signs of both fronts, as its place among those that have pixels: -1 for the one with
+    /// the least mean, then from 1 on.
     pub fn ranks(&self, image: &Plane) -> Plane {
         let side = |v: f64| if v > 0.0 { 1.0 } else { -1.0 };
         let decided = Fronts { first: self.first.map(side), second: self.second.map(side) };
         let means = decided.means(image, [f64::INFINITY; 4]);
-        let rank = means.map(|mean| means.iter().filter(|&&other| other < mean).count() as f64);
+        let rank = means.map(|mean| match means.iter().filter(|&&other| other < mean).count() {
+            0 => -1.0,
+            rank => rank as f64,
+        });
         self.map(|i, j| decided.weights(i, j).iter().zip(rank).map(|(share, rank)| share * rank).sum())
     }
 

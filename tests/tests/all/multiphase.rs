@@ -2,11 +2,12 @@
 
 use crate::chan_vese::length;
 use skyfront::crosscheck::{crosscheck, table};
+use skyfront::outline::rings;
 use skyfront::pipeline::{Drive, Segmentation, segment, segment_in};
 use skyfront::planes::Room;
 use skyfront::read::image;
 use skyfront_core::arithmetic::{F32, Q11, Q24};
-use skyfront_core::config::{ChanVese, Config, Filter, Normalize, Rescale, Scheme, Tau};
+use skyfront_core::config::{ChanVese, Config, Connectivity, Filter, Normalize, Rescale, Scheme, Tau};
 use skyfront_core::error::Error;
 use skyfront_core::front::pair::{self, PHASES};
 use skyfront_core::run::frame::SliceFrame;
@@ -84,6 +85,9 @@ fn the_energy_never_rises() {
     }
 }
 
+/// The phases of a front at its end, from dark to bright.
+const RANKS: [f32; 4] = [-1.0, 1.0, 2.0, 3.0];
+
 /// Nested discs of four levels beside a smaller one of two, with normal noise: the pixels, and the truth.
 fn discs(seed: u32, noise: f32) -> (Vec<f32>, Vec<f32>) {
     let mut state = seed;
@@ -96,10 +100,10 @@ fn discs(seed: u32, noise: f32) -> (Vec<f32>, Vec<f32>) {
         let nested = [30.0, 20.0, 10.0].iter().filter(|&&radius| off(40.0, 40.0) <= radius).count();
         nested + 2 * usize::from(off(82.0, 82.0) <= 8.0)
     };
-    let truth: Vec<f32> = (0..SIDE * SIDE).map(|at| level(at % SIDE, at / SIDE) as f32).collect();
+    let phases: Vec<usize> = (0..SIDE * SIDE).map(|at| level(at % SIDE, at / SIDE)).collect();
     let levels = [100.0, 250.0, 500.0, 800.0];
-    let pixels = truth.iter().map(|&phase| levels[phase as usize] + noise * (0..12).map(|_| uniform()).sum::<f32>());
-    (pixels.collect(), truth)
+    let pixels = phases.iter().map(|&phase| levels[phase] + noise * (0..12).map(|_| uniform()).sum::<f32>());
+    (pixels.collect(), phases.iter().map(|&phase| RANKS[phase]).collect())
 }
 
 fn wrong(run: &Segmentation, truth: &[f32]) -> usize {
@@ -132,8 +136,12 @@ fn fewer_levels_are_fewer_phases() {
     // With a length, pixels that stand out of the circles are phases of their own.
     let config = Config { chan_vese: ChanVese { mu: 0.0, ..plain().chan_vese }, ..plain() };
     let run = segment(&config, &two, SIDE, SIDE, &mut Drive::default()).expect("discs");
-    let ranks: Vec<f32> = two.iter().map(|&level| f32::from(level > 5.0)).collect();
+    let ranks: Vec<f32> = two.iter().map(|&level| if level > 5.0 { RANKS[1] } else { RANKS[0] }).collect();
     assert_eq!((wrong(&run, &ranks), run.outcome.sources), (0, 2));
+    // Outlines lie half way between the pixels of a source and those around it.
+    let rings = rings(&run.labels, &run.front, SIDE, SIDE, Connectivity::Eight);
+    let half = |at: f64| (at.fract() - 0.5).abs() < 1e-6;
+    assert!(rings.iter().flat_map(|ring| &ring.points).all(|&(x, y)| half(x) != half(y)), "{rings:?}");
 }
 
 #[test]
@@ -147,7 +155,7 @@ fn threads_slices_and_arithmetics_agree() {
     let whole = run(1, usize::MAX);
     assert!(whole.outcome.sources > 2 && whole.outcome.steps > 3, "{:?}", whole.outcome);
     let pixels_of = |phase: f32| whole.front.iter().filter(|&&other| other == phase).count();
-    let phases = [0.0, 1.0, 2.0, 3.0].map(pixels_of);
+    let phases = RANKS.map(pixels_of);
     assert!(phases.iter().all(|&pixels| pixels > 0), "{phases:?}");
     for (threads, slice) in [(1, 1), (1, 13), (2, SIDE), (5, SIDE)] {
         let other = run(threads, slice);
@@ -204,7 +212,7 @@ fn phases_are_the_front_that_is_written() {
         assert!(output.status.success(), "{}", messages(&output));
         let pixels = |name: &str| image(folder.file(name).as_ref(), None).expect("a plane").pixels;
         let (phases, labels) = (pixels("out/front.fits"), pixels("out/segmentation.fits"));
-        assert!(phases.iter().all(|phase| [0.0, 1.0, 2.0, 3.0].contains(phase)), "{options:?}");
+        assert!(phases.iter().all(|phase| RANKS.contains(phase)), "{options:?}");
         assert!(phases.contains(&3.0), "{options:?}");
         assert!(labels.iter().any(|&label| label > 1.0), "{options:?}");
     }

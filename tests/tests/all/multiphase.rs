@@ -110,7 +110,7 @@ fn wrong(run: &Segmentation, truth: &[f32]) -> usize {
     run.front.iter().zip(truth).filter(|(found, truth)| found != truth).count()
 }
 
-/// The noise puts the border of a level 1.5 to 3 standard deviations away: of single pixels one in 20 lies on the wrong
+/// The noise puts the border of a level 1.5 to 3 standard deviations away: of single pixels one in 12 lies on the wrong
 /// side. The length of the fronts leaves fewer than one in ten along the circles.
 #[test]
 fn nested_discs_of_four_levels_are_four_phases() {

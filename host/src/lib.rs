@@ -33,6 +33,7 @@ pub mod outline;
 pub mod outputs;
 pub mod packets;
 pub mod parallel;
+pub mod peer;
 pub mod picture;
 pub mod pipeline;
 #[allow(unsafe_code, reason = "large pages, which change no content, and tables of zeros")]

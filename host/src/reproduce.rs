@@ -1,5 +1,8 @@
 //! The captions of the paper's Tests 1 and 2, as configurations.
 
+pub mod claims;
+pub mod page;
+
 use skyfront_core::config::{Config, CurvatureForm, Diffusivity, Edge, Filter, Order, Rescale, Scheme, Tau};
 
 /// One figure of the paper.

@@ -51,6 +51,8 @@ FAULTS = [
     ("the curvature loses its mixed term", "core/src/front/scheme/fd_curvature.rs", "- <<(mixed + mixed)>>)", "mixed", "all:crosscheck::"),
     ("the filtered scheme is not filtered", "core/src/front/scheme/fd_filtered.rs", "size.least(<<(room + room - size).positive()>>)", "size", "all:fd_filtered:: all:rules::every_front"),
     ("lambda1 is lambda2", "core/src/front/scheme/chan_vese.rs", "config.dt * <<weights.lambda1>>)", "weights.lambda2", "all:chan_vese:: all:rules::every_front"),
+    ("the second front forgets the first", "core/src/front/scheme/multiphase.rs", "scheme.step(&near, <<v>>, [[first, both]", "A::Real::ZERO", "all:multiphase:: all:rules::every_front"),
+    ("a phase weighs without the product", "core/src/front/region.rs", "signed(in_first == in_second, <<product>>)", "0", "core:front::region all:rules::every_front"),
     ("fast marching goes around corners", "core/src/front/march.rs", "<<0.5 * ((first + second) + A::root(2.0 * delay * delay - lag * lag))>> } else", "first + delay", "all:rules::every_front"),
     ("the front rests too early", "core/src/front/stop.rs", "rest: <<(eps / scale) as u64>>", "(4.0 * eps / scale) as u64", "all:crosscheck::"),
     ("a banded front does not grow", "core/src/front/settle.rs", "(v + <<growth>>).least", "A::Real::ZERO", "core:front::settle all:rules::every_front"),

@@ -4,12 +4,14 @@
 pub mod bytes;
 mod filter;
 mod parameter;
+mod scheme;
 mod sources;
 mod table;
 mod validate;
 
 pub use filter::{Diffusivity, Filter};
 pub use parameter::{End, Forms, Need, Numbers, Parameter, Range, Step, Value, Word};
+pub use scheme::Scheme;
 pub use sources::{Background, Deblending, Outline, Select, Separate, Significance, narrow_area, part_area};
 pub use table::PARAMETERS;
 
@@ -107,65 +109,13 @@ pub enum Edge {
     },
 }
 
-/// Step 5: the scheme that moves the front.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scheme {
-    /// A front that starts where signal-to-noise crosses a threshold, with that as its force
-    /// ([`crate::front::outline`]).
-    Region,
-    /// Finite differences, first order (`DFg`).
-    Fd,
-    /// Finite differences with curvature (`DFgk`).
-    FdCurvature,
-    /// Finite differences of second order, filtered ([`crate::front::scheme::FdFiltered`]).
-    FdFiltered,
-    /// Semi-Lagrangian (`SLg`).
-    Sl,
-    /// Semi-Lagrangian with curvature (`SLgk`).
-    SlCurvature,
-    /// Active contours without edges ([`crate::front::scheme::ChanVese`]), by the regions of the filtered
-    /// image; the edge detector has no meaning there.
-    ChanVese,
-    /// The first-order equation by arrival times, in one pass (see [`crate::front::march`]): the front at
-    /// `t_max`. The time step has no meaning there.
-    FastMarching,
-}
-
-impl Scheme {
-    /// Every scheme.
-    pub const ALL: [Scheme; 8] = [
-        Scheme::Region,
-        Scheme::Fd,
-        Scheme::Sl,
-        Scheme::FdCurvature,
-        Scheme::SlCurvature,
-        Scheme::FdFiltered,
-        Scheme::ChanVese,
-        Scheme::FastMarching,
-    ];
-
-    /// Its name among the parameters.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Scheme::Region => "region",
-            Scheme::Fd => "fd",
-            Scheme::Sl => "sl",
-            Scheme::FdCurvature => "fd-curvature",
-            Scheme::SlCurvature => "sl-curvature",
-            Scheme::FdFiltered => "fd-filtered",
-            Scheme::ChanVese => "chan-vese",
-            Scheme::FastMarching => "fast-marching",
-        }
-    }
-}
-
 /// The weights of Chan and Vese's energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChanVese {
     /// Of the contour's length, in squared image units (0 to 1) times the paper's unit of length;
     /// 0 to 10. A disc of contrast c as small as a radius of `2 mu / c^2` is smoothed away.
     pub mu: f32,
-    /// Of the variance inside; above 0, at most 10.
+    /// Of the variance inside; above 0, at most 10. Four phases weigh alike, as do these at 1.
     pub lambda1: f32,
     /// Of the variance outside; above 0, at most 10.
     pub lambda2: f32,
@@ -255,7 +205,7 @@ pub struct Config {
     pub scheme: Scheme,
     /// Weight of the curvature, 0 to 1.
     pub nu: f32,
-    /// Weights of the energy of [`Scheme::ChanVese`].
+    /// Weights of the energy of [`Scheme::ChanVese`] and [`Scheme::Multiphase`].
     pub chan_vese: ChanVese,
     /// Form of the curvature averages.
     pub curvature_form: CurvatureForm,
@@ -389,26 +339,15 @@ impl Config {
         ..Config::PAPER_F160
     };
 
-    /// The paper's time step for a scheme: dx/4, dx^2 with curvature, dx for semi-Lagrangian. Ours
-    /// for Chan and Vese, in which one step moves a pixel of contrast 0.5 across the band.
-    pub fn paper_dt(scheme: Scheme, dx: f32) -> f32 {
-        match scheme {
-            Scheme::Region | Scheme::Fd | Scheme::FdFiltered | Scheme::FastMarching => dx / 4.0,
-            Scheme::FdCurvature => dx * dx,
-            Scheme::Sl | Scheme::SlCurvature => dx,
-            Scheme::ChanVese => 8.0,
-        }
-    }
-
-    /// The same run with another scheme at the paper's time step for it. Chan and Vese's regions
-    /// start near the objects, where their means differ, and get time for 200 steps.
+    /// The same run with another scheme at its usual time step. Chan and Vese's regions start near
+    /// the objects, where their means differ, and get time for 200 steps.
     pub fn with_scheme(self, scheme: Scheme) -> Config {
-        let config = Config { scheme, dt: Config::paper_dt(scheme, self.dx), ..self };
-        match (scheme, self.start) {
-            (Scheme::ChanVese, Start::Frame) => {
+        let config = Config { scheme, dt: scheme.usual_dt(self.dx), ..self };
+        match (scheme.is_by_regions(), self.start) {
+            (true, Start::Frame) if !scheme.has_two_fronts() => {
                 Config { start: Start::Threshold { margin: 1.0 }, t_max: 200.0 * config.dt, ..config }
             }
-            (Scheme::ChanVese, _) => Config { t_max: 200.0 * config.dt, ..config },
+            (true, _) => Config { t_max: 200.0 * config.dt, ..config },
             _ => config,
         }
     }
@@ -443,7 +382,7 @@ impl Config {
 
     /// Whether the front has to come from the frame's border.
     fn crosses_frame(&self) -> bool {
-        self.start == Start::Frame && !matches!(self.scheme, Scheme::ChanVese | Scheme::Region)
+        self.start == Start::Frame && self.scheme != Scheme::Region && !self.scheme.is_by_regions()
     }
 
     /// So many pixels from the border begins what no front can reach by `t_max`, whose speed is 1

@@ -4,12 +4,12 @@
 //! the keys of configuration files, the headers of results and the manual. A new setting is a field
 //! of [`Config`] and an entry here.
 
-use super::filter;
 use super::parameter::{Access, Bounds, End, Need, Numbers, Parameter, Range, Slot, Step, Value, Word, word};
 use super::{
     Background, Config, Connectivity, CurvatureForm, Diffusivity, Edge, Filter, MAX_STEPS, Motion, Normalize, Order,
     Rescale, Scheme, Select, Separate, Start, Stop, Tau,
 };
+use super::{filter, scheme};
 use crate::arithmetic::digest::Digest;
 use crate::error::Error;
 use Slot::{Long, Real, Short};
@@ -139,7 +139,7 @@ table![
         .at(Step::Speed, &[EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
         .range(Range { least: End::At(0.0), most: End::Beyond(1.0) })
         .help("Constant of g2mod: the front is held where g2 is below it."),
-    choice("scheme", "SFSCHEME", SCHEMES, |c| Some(Value::word(c.scheme.name())), set_scheme)
+    choice("scheme", "SFSCHEME", scheme::WORDS, |c| Some(Value::word(c.scheme.name())), set_scheme)
         .at(Step::Front, &[])
         .common()
         .help("Scheme that moves the front."),
@@ -171,7 +171,7 @@ table![
         .at(Step::Front, &[Need { name: "scheme", words: &["sl", "sl-curvature"] }])
         .help("Directions of the semi-Lagrangian minimum."),
     real("mu", "SFMU", |c| Some(Real(&mut c.chan_vese.mu)))
-        .at(Step::Front, &[CHAN_VESE])
+        .at(Step::Front, &[BY_MEANS])
         .range(Range::within(0.0, 10.0))
         .help(
             "Weight of the contour's length, in squared image units times the paper's unit of length. \
@@ -185,12 +185,12 @@ table![
         .at(Step::Front, &[CHAN_VESE])
         .range(Range::above(0.0, End::At(10.0)))
         .help("Weight of the variance outside."),
-    choice("start", "SFSTART", STARTS, start, set_start).at(Step::Front, &[BY_PAPER]).help("Where the front starts."),
+    choice("start", "SFSTART", STARTS, start, set_start).at(Step::Front, &[STARTED]).help("Where the front starts."),
     real("margin", "SFMARGIN", |c| match &mut c.start {
         Start::Threshold { margin } => Some(Real(margin)),
         _ => None,
     })
-    .at(Step::Front, &[BY_PAPER, Need { name: "start", words: &["threshold", "map"] }])
+    .at(Step::Front, &[STARTED, Need { name: "start", words: &["threshold", "map"] }])
     .unit("px")
     .range(Range::within(1.0, 100.0))
     .help("Distance from the outline of the threshold or the map to the front that starts there."),
@@ -202,14 +202,14 @@ table![
         .ranges_by(|c| [Range::above(0.0, End::About(c.longest_step())); 2])
         .help(
             "Time step of the front. It follows from scheme and dx: dx/4 for fd and fd-filtered, dx^2 for \
-             fd-curvature, dx for sl and sl-curvature, 8 for chan-vese.",
+             fd-curvature, dx for sl and sl-curvature, 8 for chan-vese and multiphase.",
         ),
     real("t-max", "SFTMAX", |c| Some(Real(&mut c.t_max)))
         .at(Step::Front, &[BY_PAPER])
         .ranges_by(|c| [Range::above(0.0, End::At(c.dt * MAX_STEPS as f32)); 2])
         .help(
             "The front is given up at this time. Not given, it is at least 5/3 of the image's shorter side \
-             times dx, so that the front can cross it; 1600 for chan-vese."
+             times dx, so that the front can cross it; 1600 for chan-vese and multiphase."
         ),
     choice("band", "SFBAND", &[word("none", "")], band, set_band)
         .numbers(Numbers::One(0.0))
@@ -339,6 +339,11 @@ const BY_SIGNIFICANCE: Need = Need { name: "select", words: &["significance"] };
 /// The paper's schemes, whose front moves over an image with values in [0, 1].
 const BY_PAPER: Need = Need {
     name: "scheme",
+    words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "multiphase", "fast-marching"],
+};
+/// Those whose front starts somewhere: where four phases begin, the image tells.
+const STARTED: Need = Need {
+    name: "scheme",
     words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "fast-marching"],
 };
 const BY_R3: Need = Need { name: "rescale", words: &["r3"] };
@@ -347,15 +352,19 @@ const FILTERED: Need = Need { name: "filter", words: filter::IN_STEPS };
 const DIFFUSED: Need = Need { name: "filter", words: &["heat", "pm"] };
 const PERONA_MALIK: Need = Need { name: "filter", words: &["pm"] };
 const CHAN_VESE: Need = Need { name: "scheme", words: &["chan-vese"] };
+/// Schemes that part the image into regions.
+const BY_MEANS: Need = Need { name: "scheme", words: &["chan-vese", "multiphase"] };
 const BENT: Need = Need { name: "scheme", words: &["fd-curvature", "sl-curvature"] };
 /// Schemes with a flat case of their own.
-const FLATTENED: Need = Need { name: "scheme", words: &["fd-curvature", "sl-curvature", "chan-vese"] };
+const FLATTENED: Need = Need { name: "scheme", words: &["fd-curvature", "sl-curvature", "chan-vese", "multiphase"] };
 /// Schemes whose front the edge detector holds; Chan and Vese's goes by regions.
 const EDGE_HELD: Need =
     Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "fast-marching"] };
 /// Schemes that go by time steps.
-const STEPPED: Need =
-    Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese"] };
+const STEPPED: Need = Need {
+    name: "scheme",
+    words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "multiphase"],
+};
 /// Schemes in which only what is near the front moves and tells whether it has stopped.
 const NEAR_FRONT: Need = Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered"] };
 
@@ -396,16 +405,6 @@ const EDGES: &[Word] = &[
     word("g1", "1 / (1 + |grad I|^p)"),
     word("g2", "falls evenly from the least gradient of the image to the greatest"),
     word("g2mod", "g2 above c2, stretched to [0, 1]"),
-];
-const SCHEMES: &[Word] = &[
-    word("region", "from the threshold, outwards where there is more signal-to-noise and inwards where there is less"),
-    word("fd", "finite differences of first order"),
-    word("sl", "semi-Lagrangian"),
-    word("fd-curvature", "finite differences with curvature"),
-    word("sl-curvature", "semi-Lagrangian with curvature"),
-    word("fd-filtered", "finite differences of second order, filtered"),
-    word("chan-vese", "two regions of least variance, without edges"),
-    word("fast-marching", "arrival times in one pass"),
 ];
 const CURVATURE_FORMS: &[Word] =
     &[word("consistent", "approximates the equation"), word("printed", "as the paper has it; never settles")];
@@ -449,7 +448,7 @@ fn set_sky(config: &mut Config, value: Value) {
 fn set_dx(config: &mut Config, value: Value) {
     if let Numbers::One(dx) = value.numbers {
         config.dx = dx;
-        config.dt = Config::paper_dt(config.scheme, dx);
+        config.dt = config.scheme.usual_dt(dx);
     }
 }
 

@@ -27,6 +27,12 @@ impl Config {
                 reason: "fast marching needs front cells of 32 bits, for times and links",
             });
         }
+        if self.scheme.has_two_fronts() && A::Cell::BYTES < 4 {
+            return Err(Error::Arithmetic {
+                name: A::NAME,
+                reason: "four phases need front cells of 32 bits, for two fronts of 16 bits each",
+            });
+        }
         if A::NEEDS_BAND.is_some_and(|most| self.band.is_none_or(|band| band > most)) {
             return Err(Error::Arithmetic {
                 name: A::NAME,
@@ -71,7 +77,7 @@ impl Config {
         if self.motion == Motion::Outward && self.start != Start::Given {
             return apart("motion", "outward", "start", "map");
         }
-        if self.motion == Motion::Outward && matches!(self.scheme, Scheme::Region | Scheme::ChanVese) {
+        if self.motion == Motion::Outward && (self.scheme == Scheme::Region || self.scheme.is_by_regions()) {
             return apart("motion", "outward", "scheme", "fd");
         }
         if self.filter.uses_front_plane() && self.start == Start::Given {
@@ -89,7 +95,7 @@ impl Config {
         if matches!(self.edge, Edge::G1 { .. }) && 0.5 / self.dx >= limit {
             return out_of_range("g1 needs a dx above 1/256: 1 / (2 dx) must be below 128, the end of its range");
         }
-        if self.scheme == Scheme::ChanVese {
+        if self.scheme.is_by_regions() {
             let ChanVese { mu, lambda1, lambda2 } = self.chan_vese;
             let weights = self.dt * (lambda1 + lambda2);
             // The squares around a pixel weigh at most 4 / degenerate together, twice.
@@ -149,7 +155,7 @@ impl Config {
             Scheme::Sl => self.dx,
             Scheme::SlCurvature => self.dx.min(12.5 * self.dx * self.dx),
             // Stable for any step; a longer one would not be a faster one.
-            Scheme::ChanVese => 1e3,
+            Scheme::ChanVese | Scheme::Multiphase => 1e3,
         }
     }
 }

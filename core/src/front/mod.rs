@@ -3,6 +3,7 @@
 pub mod edge;
 pub mod march;
 pub mod outline;
+pub mod pair;
 pub mod profile;
 pub mod region;
 pub mod scheme;

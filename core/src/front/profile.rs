@@ -33,7 +33,7 @@ impl Profile {
         let shorter = width.min(height).saturating_sub(4);
         let half = shorter as f32 * 0.5;
         let (unit, band, floor) = match (config.scheme, config.band) {
-            (Scheme::ChanVese, _) => (half, 1.0, 1.0),
+            (scheme, _) if scheme.is_by_regions() => (half, 1.0, 1.0),
             (Scheme::FastMarching, band) => (half, band.unwrap_or(half), FLOOR),
             (_, Some(band)) => (half, band, FLOOR),
             (_, None) => (1.0, f32::MAX, f32::MAX),

@@ -3,7 +3,8 @@
 use crate::arithmetic::vectors::COLUMNS;
 use crate::arithmetic::vectors::Vectors;
 use crate::arithmetic::{Arithmetic, Real};
-use crate::config::{Config, Scheme, Stop};
+use crate::config::{Config, Stop};
+use crate::front::pair;
 use crate::front::region::Moments;
 use crate::plane::sweep::RowOf;
 
@@ -14,7 +15,7 @@ pub struct Change<A: Arithmetic> {
     pub sum: u64,
     /// Pixels near the front that crossed zero; counted only for the rule per unit time.
     pub crossings: u32,
-    /// What it changed in the sums of the two regions; nothing but [`crate::front::scheme::ChanVese`] has.
+    /// What it changed in the sums of regions; nothing but the schemes by regions has any.
     pub regions: Moments,
     near: Near<A>,
 }
@@ -47,6 +48,17 @@ impl<A: Arithmetic> Change<A> {
         self.sum = self.sum.saturating_add(A::change(old, new, self.near.limit));
         if self.near.count_crossings {
             self.cross(old, new);
+        }
+    }
+
+    /// The same of two fronts in the plane of one.
+    #[inline(always)]
+    pub fn observe_pairs(&mut self, old: &[A::Cell], new: &[A::Cell]) {
+        let (steps, crossings) = pair::change(old, new);
+        let units = (A::CHANGE_UNITS * (1.0 / pair::UNIT as f32)) as u64;
+        self.sum = self.sum.saturating_add(steps.saturating_mul(units));
+        if self.near.count_crossings {
+            self.crossings = self.crossings.saturating_add(crossings);
         }
     }
 
@@ -101,7 +113,7 @@ impl<A: Arithmetic> StopRule<A> {
             Stop::Rate => config.eps * config.dt,
         };
         // Every pixel takes part in the means of Chan and Vese.
-        let near = if config.scheme == Scheme::ChanVese { 1.0 } else { config.eps_front * unit };
+        let near = if config.scheme.is_by_regions() { 1.0 } else { config.eps_front * unit };
         StopRule { stop: config.stop, near: A::Real::of(near), rest: (eps / scale) as u64, scale }
     }
 

@@ -97,6 +97,7 @@ pub fn variant(config: &Config, stage: Stage) -> &'static str {
             Edge::G2 | Edge::G2Mod { .. } => "g2",
         },
         Stage::Evolve => step(config),
+        Stage::Front | Stage::Turn if config.scheme.has_two_fronts() => "multiphase",
         _ => "-",
     }
 }
@@ -120,6 +121,7 @@ fn step(config: &Config) -> &'static str {
         (Scheme::SlCurvature, true, false) => "sl-curvature-64",
         (Scheme::SlCurvature, true, true) => "sl-curvature-64-band",
         (Scheme::ChanVese, _, _) => "chan-vese",
+        (Scheme::Multiphase, _, _) => "multiphase",
         (Scheme::Region | Scheme::FastMarching, _, _) => "none",
     }
 }

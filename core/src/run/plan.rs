@@ -167,7 +167,8 @@ impl<'a> Plan<'a> {
     fn most_passes(self, stage: Stage) -> u32 {
         let config = self.0;
         let marches = config.scheme == Scheme::FastMarching;
-        let starts_near = matches!(config.start, Start::Threshold { .. });
+        let by_values = config.scheme.has_two_fronts();
+        let starts_near = matches!(config.start, Start::Threshold { .. }) && !by_values;
         match stage {
             Stage::LowPercentile | Stage::HighPercentile => match config.normalize {
                 Normalize::Percentile { .. } => select::PASSES,
@@ -186,17 +187,21 @@ impl<'a> Plan<'a> {
             },
             Stage::Rescale => u32::from(config.rescale != Rescale::None),
             Stage::Filter => config.filter.passes(config.filter_steps),
+            // Four phases start from the classes of a histogram.
+            Stage::StartLevel if by_values => 1,
             // The tau of r3 serves both.
             Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
             Stage::StartMark | Stage::StartUp | Stage::StartDown => u32::from(starts_near),
             // Regions are told apart by the image itself.
-            Stage::Edge => u32::from(config.scheme != Scheme::ChanVese),
+            Stage::Edge => u32::from(!config.scheme.is_by_regions()),
             Stage::Evolve if marches => 0,
             Stage::Evolve => config.max_steps(),
             Stage::Seed | Stage::Sow | Stage::Arrive => u32::from(marches),
             // As many looks a row as a row has pixels, and a last row that finds no pixel left.
             Stage::March if marches => march::looks(config.farthest()).saturating_add(1),
             Stage::March => 0,
+            // Pixels are put into one phase each, then phases ranked.
+            Stage::Turn if by_values => 2,
             Stage::Turn => u32::from(config.motion == Motion::Outward),
             Stage::Done => 0,
             _ => 1,

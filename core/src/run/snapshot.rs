@@ -19,10 +19,10 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Words of the header, of the state and of a source.
 const HEADER_WORDS: usize = 7;
-const STATE_WORDS: usize = 116;
+const STATE_WORDS: usize = 134;
 const SOURCE_WORDS: usize = 25;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will

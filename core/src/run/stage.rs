@@ -22,7 +22,8 @@ pub enum Stage {
     Rescale,
     /// The filter, one pass a step.
     Filter,
-    /// Otsu's threshold of the filtered image, where a start near the objects asks for it.
+    /// Otsu's threshold of the filtered image, where a start near the objects asks for it, or the four
+    /// classes that phases start from.
     StartLevel,
     /// Which pixels lie above the level, where the front starts near the objects.
     StartMark,
@@ -46,7 +47,8 @@ pub enum Stage {
     March,
     /// Times become the front at `t_max`.
     Arrive,
-    /// The front's sign is turned, where it grew: what it enclosed comes to lie above 0.
+    /// The front's sign is turned, where it grew: what it enclosed comes to lie above 0. Two fronts become
+    /// their phases, ranked by their means: -1 for the darkest, then 1 to 3 (two passes).
     Turn,
     /// Provisional labels (label pass 1).
     Provisional,

@@ -59,7 +59,7 @@ impl<A: Arithmetic> State<A> {
             march: March::new(config.farthest()),
             marching: true,
             change: Change::none(rule),
-            regions: Regions::NONE,
+            regions: Regions::of(config.scheme.has_two_fronts()),
             last_change: 0.0,
             reason: StopReason::TimeLimit,
             steps: 0,

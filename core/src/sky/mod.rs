@@ -5,6 +5,8 @@
 //! values, and [`Mesh`] lays cells over the frame, bridges those without sky and gives level and
 //! noise at every pixel.
 
+#[deny(clippy::arithmetic_side_effects)]
+pub mod classes;
 mod clipped;
 pub mod kapur;
 mod mesh;

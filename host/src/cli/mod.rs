@@ -67,7 +67,7 @@ enum Command {
     Segment(Box<arguments::Arguments>),
     /// Compare every step of a run with an independent f64 implementation of the paper and of the default.
     Crosscheck(Box<crosscheck::Arguments>),
-    /// Run every caption of the paper's Tests 1 and 2 and print its times beside ours.
+    /// Run every caption of the paper's Tests 1 and 2, and hold its times and conclusions beside ours.
     Reproduce(reproduce::Arguments),
     /// Make a simulated sky, segment it and compare the result with its truth; needs no option.
     Demo(demo::Arguments),

@@ -44,13 +44,14 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             c::Scheme::SlCurvature => r::Scheme::SlCurvature,
             c::Scheme::FdFiltered => r::Scheme::FdFiltered,
             c::Scheme::ChanVese => r::Scheme::ChanVese,
+            c::Scheme::Multiphase => r::Scheme::Multiphase,
         },
         nu: decimal(config.nu),
         mu: decimal(config.chan_vese.mu),
         lambda: (decimal(config.chan_vese.lambda1), decimal(config.chan_vese.lambda2)),
         start_margin: match config.start {
-            c::Start::Threshold { margin } => Some(decimal(margin)),
-            c::Start::Frame | c::Start::Given => None,
+            c::Start::Threshold { margin } if !config.scheme.has_two_fronts() => Some(decimal(margin)),
+            _ => None,
         },
         curvature_form: match config.curvature_form {
             c::CurvatureForm::Consistent => r::CurvatureForm::Consistent,

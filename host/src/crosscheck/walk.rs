@@ -5,9 +5,11 @@ use super::notes::{Difference, Notes};
 use super::rounding::{Rounding, bit};
 use crate::pipeline::MOST_SOURCES;
 use crate::planes::Room;
+use crate::reference::multiphase::{self, Fronts};
 use crate::reference::{self as r, Filtering, Order, Parameters, Plane, Rescale, Scheme};
 use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
 use skyfront_core::config::Config;
+use skyfront_core::front::pair;
 use skyfront_core::image::filter::total_variation::components;
 use skyfront_core::run::frame::SliceFrame;
 use skyfront_core::run::outcome::{Outcome, Progress};
@@ -74,6 +76,9 @@ struct Walk {
     u0: Option<Plane>,
     /// The front, in the paper's u.
     front: Plane,
+    /// Where there are two, the second and the means of the phases.
+    second: Option<Plane>,
+    means: [f64; 4],
     steps: u32,
     notes: Notes,
 }
@@ -86,7 +91,9 @@ impl Walk {
             pixels: pixels.iter().map(|&v| v.into()).collect(),
             unit,
             limit: f64::from(A::LIMIT),
-            settles: p.band.is_some() && A::NEEDS_BAND.is_none() && p.scheme != Scheme::ChanVese,
+            settles: p.band.is_some()
+                && A::NEEDS_BAND.is_none()
+                && !matches!(p.scheme, Scheme::ChanVese | Scheme::Multiphase),
             image: empty.clone(),
             normalised: None,
             rescaled: None,
@@ -98,6 +105,8 @@ impl Walk {
             g: None,
             u0: None,
             front: empty,
+            second: None,
+            means: [0.0; 4],
             steps: 0,
             notes: Notes::default(),
             p,
@@ -112,10 +121,13 @@ impl Walk {
     /// Looks at what a pass left behind.
     fn see<A: Arithmetic>(&mut self, stage: Stage, run: &Segmenter<'_, A>, progress: &Progress) {
         let image = || self.plane(|at| run.image().get(at).map_or(f64::NAN, |&cell| A::pixel(cell).to_f32().into()));
-        let front = || {
-            let value = |&cell: &A::Cell| f64::from(A::level(cell).to_f32()) / self.unit;
+        let front_of = |value: &dyn Fn(A::Cell) -> A::Real| {
+            let value = |&cell: &A::Cell| f64::from(value(cell).to_f32()) / self.unit;
             self.plane(|at| run.front().get(at).map_or(f64::NAN, value))
         };
+        let front = || front_of(&A::level);
+        let both = || [0, 1].map(|at| front_of(&|cell| pair::values(cell)[at]));
+        let two_fronts = self.p.scheme == Scheme::Multiphase;
         match stage {
             Stage::Normalize => {
                 self.image = image();
@@ -131,6 +143,24 @@ impl Walk {
                 self.filter_pass(next);
             }
             Stage::Edge => self.g = Some(image()),
+            Stage::Front if two_fronts => self.phases_start(both()),
+            Stage::Evolve if two_fronts => {
+                let next = both();
+                self.steps += 1;
+                self.phases_step(&next);
+                let [first, second] = next;
+                let before = std::mem::replace(&mut self.front, first);
+                let second_before = self.second.replace(second.clone()).unwrap_or(second.clone());
+                let first = self.front.clone();
+                let pairs = [(&before, &first), (&second_before, &second)];
+                self.stop_rule(&pairs, run.stage() != Stage::Evolve, progress);
+            }
+            // Counted in the first pass, ranked in the second.
+            Stage::Turn if two_fronts && run.stage() != Stage::Turn => {
+                let ranks = front();
+                self.phases_ranked(&ranks);
+                self.front = ranks;
+            }
             Stage::Front => {
                 self.front = front();
                 self.u0 = Some(self.front.clone());
@@ -139,8 +169,9 @@ impl Walk {
                 let next = front();
                 self.steps += 1;
                 self.front_step(&next);
-                self.stop_rule(&next, run.stage() != Stage::Evolve, progress);
-                self.front = next;
+                let before = std::mem::replace(&mut self.front, next);
+                let pairs = [(&before, &self.front.clone())];
+                self.stop_rule(&pairs, run.stage() != Stage::Evolve, progress);
             }
             Stage::Arrive => {
                 self.front = front();
@@ -216,11 +247,17 @@ impl Walk {
         if self.filtered.is_some() != (self.p.filter.passes() > 0) {
             self.notes.missing("filtered");
         }
-        if self.p.scheme != Scheme::ChanVese {
+        if !self.is_by_regions() {
             self.detector(outcome, &last);
         }
-        self.start(&last, tau);
+        if self.p.scheme != Scheme::Multiphase {
+            self.start(&last, tau);
+        }
         Ok(())
+    }
+
+    fn is_by_regions(&self) -> bool {
+        matches!(self.p.scheme, Scheme::ChanVese | Scheme::Multiphase)
     }
 
     fn normalisation(&mut self, outcome: &Outcome) -> Result<(), CheckError> {
@@ -294,7 +331,7 @@ impl Walk {
 
     /// What the front moves over: the edge detector, or for regions the image.
     fn speed(&self) -> &Plane {
-        self.g.as_ref().filter(|_| self.p.scheme != Scheme::ChanVese).unwrap_or(&self.image)
+        self.g.as_ref().filter(|_| !self.is_by_regions()).unwrap_or(&self.image)
     }
 
     /// One step of the front, in its own unit.
@@ -378,8 +415,8 @@ impl Walk {
     }
 
     /// The change that a step reports, and whether it was the last.
-    fn stop_rule(&mut self, next: &Plane, over: bool, progress: &Progress) {
-        let (least, most) = (self.change(next, false), self.change(next, true));
+    fn stop_rule(&mut self, moved: &[(&Plane, &Plane)], over: bool, progress: &Progress) {
+        let (least, most) = (self.change(moved, false), self.change(moved, true));
         if let Progress::Working { last_change, .. } = progress {
             self.notes.number("change", f64::from(*last_change), least.0, most.0);
         }
@@ -392,17 +429,75 @@ impl Walk {
 
     /// `critarr` and whether a node near the front changed sign, as roundings make them least and most: of each change,
     /// of the distance that counts as near, and of the sum. A single change counts half a unit at most.
-    fn change(&self, next: &Plane, most: bool) -> (f64, bool) {
+    fn change(&self, moved: &[(&Plane, &Plane)], most: bool) -> (f64, bool) {
         let share = if most { 1.0 + bit(16) } else { 1.0 - bit(16) };
-        let near = if self.p.scheme == Scheme::ChanVese { f64::INFINITY } else { self.p.eps_front * share };
+        let near = if self.is_by_regions() { f64::INFINITY } else { self.p.eps_front * share };
+        let values = moved.iter().flat_map(|(old, new)| old.values().iter().zip(new.values()));
         let (mut sum, mut crossed) = (0.0, false);
-        for (&old, &new) in self.front.values().iter().zip(next.values()).filter(|(old, _)| old.abs() <= near) {
+        for (&old, &new) in values.filter(|(old, _)| old.abs() <= near) {
             let change = (new - old).abs() * self.unit;
             let rounded = if most { change + self.rounding.change } else { change.min(0.5) - self.rounding.change };
             sum += rounded.max(0.0);
             crossed |= (old > 0.0) != (new > 0.0);
         }
         (sum * share * self.p.dx * self.p.dx / self.unit, crossed)
+    }
+
+    /// Two fronts in pixels, from the paper's u.
+    fn fronts(&self, [first, second]: [&Plane; 2]) -> Fronts {
+        Fronts { first: first.map(|u| u * self.unit), second: second.map(|u| u * self.unit) }
+    }
+
+    /// The phases before the first step. Where a pixel lies as near to two means, a rounding may decide.
+    fn phases_start(&mut self, core: [Plane; 2]) {
+        self.means = multiphase::classes(&self.image);
+        let [below, above] = [-1.0, 1.0].map(|side| {
+            let moved = self.image.map(|v| v + side * bit(20));
+            multiphase::start(&moved, self.means)
+        });
+        let planes = [(&core[0], &below.first, &above.first), (&core[1], &below.second, &above.second)];
+        for (core, one, other) in planes {
+            self.notes.plane("u0", &core.map(|u| u * self.unit), one, other);
+        }
+        let [first, second] = core;
+        (self.front, self.second) = (first, Some(second));
+    }
+
+    /// One step of both fronts: the second beside the core's own first.
+    fn phases_step(&mut self, next: &[Plane; 2]) {
+        let Some(second) = self.second.clone() else { return self.notes.missing("u") };
+        let before = self.fronts([&self.front, &second]);
+        self.means = before.means(&self.image, self.means);
+        // The nearest step of a cell.
+        let off = bit(15) + self.phases_off(&before);
+        let between = self.fronts([&next[0], &second]);
+        let after = self.fronts([&next[0], &next[1]]);
+        let first = before.step_first(&self.p, &self.image, self.means);
+        let second = between.step_second(&self.p, &self.image, self.means);
+        for (core, reference) in [(&after.first, &first), (&after.second, &second)] {
+            self.notes.plane("u", core, &reference.map(|v| v - off), &reference.map(|v| v + off));
+        }
+    }
+
+    /// [`Self::means_off`] of four phases, whose weights have lost a unit of each front and of their product.
+    fn phases_off(&self, fronts: &Fronts) -> f64 {
+        let values = || fronts.first.values().iter().zip(fronts.second.values());
+        let between = values().filter(|(v, w)| v.abs() < 1.0 || w.abs() < 1.0).count() as f64;
+        let shares = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let mean = |(first, second): (f64, f64)| {
+            let weight: f64 = values().map(|(v, w)| (1.0 + first * v) * (1.0 + second * w)).sum();
+            // One that has no pixels keeps its mean.
+            if weight > 0.0 { (3.0 * bit(12) * between / weight).min(1.0) + bit(19) } else { 0.0 }
+        };
+        4.0 * self.p.dt * shares.into_iter().map(mean).fold(0.0, f64::max)
+    }
+
+    /// The phases at the end by their ranks.
+    fn phases_ranked(&mut self, core: &Plane) {
+        let Some(second) = &self.second else { return self.notes.missing("phases") };
+        let ranks = self.fronts([&self.front, second]).ranks(&self.image);
+        let core = core.map(|u| u * self.unit);
+        self.notes.plane("phases", &core, &ranks, &ranks);
     }
 
     /// Each time of arrival beside the one that follows from the times around it.

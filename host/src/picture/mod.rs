@@ -6,6 +6,7 @@
 mod beside;
 mod canvas;
 mod contact;
+mod curves;
 mod outline;
 mod overlay;
 mod stages;
@@ -14,6 +15,7 @@ mod stretch;
 pub use beside::side_by_side;
 pub use canvas::Canvas;
 pub use contact::contact_sheet;
+pub use curves::{Curve, curves};
 pub use outline::{Zoom, reduced};
 pub use overlay::{overlay, overlay_in};
 pub use stages::{captions, stage, stages};

@@ -35,9 +35,23 @@ const BY_REGION: [Caption; 6] = [
     ("segments", "what is significant, each source in a colour of its own"),
 ];
 
+/// Those of four phases, which no edge holds.
+const PHASES: [Caption; 6] = [
+    PAPER[0],
+    PAPER[1],
+    PAPER[2],
+    ("", ""),
+    ("phases", "blue for the darkest, the brighter ones lighter and outlined"),
+    PAPER[5],
+];
+
 /// The stages of a configuration, in order; those without a name have no picture.
 pub fn captions(config: &Config) -> [Caption; 6] {
-    if config.scheme == Scheme::Region { BY_REGION } else { PAPER }
+    match config.scheme {
+        Scheme::Region => BY_REGION,
+        Scheme::Multiphase => PHASES,
+        _ => PAPER,
+    }
 }
 
 /// Draws one stage by its place in [`captions`], if there is anything to draw.

@@ -11,14 +11,18 @@ pub(super) fn step(p: &Parameters, image: &Plane, u: &Plane) -> Plane {
     let v = u.map(|u| u * half);
     let (c1, c2) = means(image, &v);
     Plane::from_fn(v.width(), v.height(), |i, j| {
-        let near = v.around(i, j);
-        let (flow, weights) = length(p, &near);
         let level = image.at(i, j);
         let force = -p.lambda.0 * (level - c1).powi(2) + p.lambda.1 * (level - c2).powi(2);
-        let mu = p.mu / p.dx;
-        let next = near.c + p.dt * (force + mu * flow) / (1.0 + 2.0 * p.dt * mu * weights);
-        next.clamp(-1.0, 1.0) / half
+        pull(p, &v.around(i, j), force) / half
     })
+}
+
+/// What a force and the length of the contours make of v in a semi-implicit time step.
+pub(super) fn pull(p: &Parameters, near: &Around, force: f64) -> f64 {
+    let (flow, weights) = length(p, near);
+    let mu = p.mu / p.dx;
+    let next = near.c + p.dt * (force + mu * flow) / (1.0 + 2.0 * p.dt * mu * weights);
+    next.clamp(-1.0, 1.0)
 }
 
 /// c1 and c2: the means of the image with the weights H and 1 - H; 1 and 0 for a region without pixels.

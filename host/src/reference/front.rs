@@ -1,6 +1,9 @@
 //! Step 5: the front from u0 until it stops (`critarr`).
 
-use super::{Parameters, Plane, Scheme, Stop, arrival, chan_vese, fd, fd_curvature, fd_filtered, sl, sl_curvature};
+use super::initial::half_side;
+use super::{
+    Parameters, Plane, Scheme, Stop, arrival, chan_vese, fd, fd_curvature, fd_filtered, multiphase, sl, sl_curvature,
+};
 
 /// What ended an evolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +29,7 @@ pub struct Evolution {
     pub changes: Vec<f64>,
 }
 
-/// One time step of the chosen scheme. Chan and Vese take the image in the place of g; times of arrival are those of
+/// One time step of a scheme with one front; those of two are [`super::multiphase`]'s. Chan and Vese take the image in the place of g; times of arrival are those of
 /// `DFg`.
 pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
     match p.scheme {
@@ -36,13 +39,17 @@ pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
         Scheme::Sl => sl::step(p, g, v),
         Scheme::SlCurvature => sl_curvature::step(p, g, v),
         Scheme::ChanVese => chan_vese::step(p, g, v),
+        Scheme::Multiphase => v.clone(),
     }
 }
 
-/// Steps from `u0` until the stopping rule is met or T_max is reached.
+/// Steps from `u0`, or of two fronts from the image's own classes, until the stopping rule is met or T_max is reached.
 pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
     if p.scheme == Scheme::FastMarching {
         return marched(p, g, u0);
+    }
+    if p.scheme == Scheme::Multiphase {
+        return parted(p, g);
     }
     let mut u = u0.clone();
     let mut changes = Vec::new();
@@ -58,6 +65,27 @@ pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
         }
     }
     let steps = changes.len() as u32;
+    Evolution { u, steps, t: f64::from(steps) * p.dt, ended, changes }
+}
+
+/// Two fronts from the classes of the image; u at the end has the ranks of their phases.
+fn parted(p: &Parameters, image: &Plane) -> Evolution {
+    let mut means = multiphase::classes(image);
+    let mut fronts = multiphase::start(image, means);
+    let (mut changes, mut ended) = (Vec::new(), Ended::TimeLimit);
+    for _ in 0..p.max_steps() {
+        means = fronts.means(image, means);
+        let next = fronts.step(p, image, means);
+        let (change, crossed) = multiphase::change(p, &fronts, &next);
+        fronts = next;
+        changes.push(change);
+        if at_rest(p, change, crossed) {
+            ended = Ended::Converged;
+            break;
+        }
+    }
+    let half = half_side(image);
+    let (u, steps) = (fronts.ranks(image).map(|rank| rank / half), changes.len() as u32);
     Evolution { u, steps, t: f64::from(steps) * p.dt, ended, changes }
 }
 

@@ -28,6 +28,7 @@ mod fd_filtered;
 mod filter;
 mod front;
 mod initial;
+pub mod multiphase;
 pub mod noise_aware;
 mod normalize;
 mod otsu;
@@ -137,7 +138,7 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
     let slope = gradient(last, p.dx);
     let (m, big_m) = gradient_range(&slope);
     let g = match p.scheme {
-        Scheme::ChanVese => last.clone(),
+        Scheme::ChanVese | Scheme::Multiphase => last.clone(),
         _ => detector(p.edge, &slope, m, big_m),
     };
     let u0 = match p.start_margin {

@@ -93,6 +93,8 @@ pub enum Scheme {
     FdFiltered,
     /// Active contours without edges (T. F. Chan, L. A. Vese 2001, DOI 10.1109/83.902291).
     ChanVese,
+    /// Four phases by two fronts (L. A. Vese, T. F. Chan 2002, DOI 10.1023/A:1020874308076).
+    Multiphase,
     /// The equation of `DFg` by times of arrival: the front at T_max.
     FastMarching,
 }
@@ -104,7 +106,7 @@ impl Scheme {
             Scheme::Fd | Scheme::FdFiltered | Scheme::FastMarching => dx / 4.0,
             Scheme::FdCurvature => dx * dx,
             Scheme::Sl | Scheme::SlCurvature => dx,
-            Scheme::ChanVese => 8.0,
+            Scheme::ChanVese | Scheme::Multiphase => 8.0,
         }
     }
 }
@@ -249,7 +251,9 @@ impl Parameters {
             }
             Scheme::FdFiltered => ask(at_most(self.dt, 0.4 * dx), "dt", self.dt, "at most 2/5 dx")?,
             Scheme::Sl | Scheme::SlCurvature => ask(at_most(self.dt, dx), "dt", self.dt, "at most dx")?,
-            Scheme::ChanVese => ask(self.dt > 0.0 && self.dt.is_finite(), "dt", self.dt, "positive")?,
+            Scheme::ChanVese | Scheme::Multiphase => {
+                ask(self.dt > 0.0 && self.dt.is_finite(), "dt", self.dt, "positive")?;
+            }
         }
         if self.scheme == Scheme::FdCurvature {
             // The weight of a node's own old value in its new one is 1 - 2 dt/dx - 2 nu dt/dx^2 or more.

@@ -26,7 +26,7 @@ pub fn label(mask: &[bool], width: usize, connectivity: Connectivity, min_area: 
 /// Whether no front from the border can have reached a node by T_max (ours). It starts two pixels inside, its speed is
 /// 1 at most, and two pixels are the width of its profile.
 pub fn is_beyond_reach(p: &Parameters, pixel: usize, width: usize, height: usize) -> bool {
-    let starts_near = p.start_margin.is_some() || p.scheme == Scheme::ChanVese;
+    let starts_near = p.start_margin.is_some() || matches!(p.scheme, Scheme::ChanVese | Scheme::Multiphase);
     let depth = |at: usize, n: usize| at.min(n - 1 - at) as f64 - 1.5;
     !starts_near && depth(pixel % width, width).min(depth(pixel / width, height)) > p.t_max / p.dx + 2.0
 }

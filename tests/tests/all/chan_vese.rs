@@ -23,9 +23,8 @@ fn mask(run: &Segmentation) -> Vec<bool> {
     run.labels.iter().map(|&label| label > 0).collect()
 }
 
-/// The energy of a front in pixels with the means that are best for it, in f64 by its definition.
-fn energy(config: &Config, image: &[f32], front: &[f32], width: usize) -> f64 {
-    let ChanVese { mu, lambda1, lambda2 } = config.chan_vese;
+/// The length of a front's contours in pixels, in f64 by its definition.
+pub fn length(config: &Config, front: &[f32], width: usize) -> f64 {
     let height = front.len() / width;
     let at = |x: usize, y: usize| f64::from(front[y.min(height - 1) * width + x.min(width - 1)]);
     let flat = f64::from(config.degenerate);
@@ -42,6 +41,12 @@ fn energy(config: &Config, image: &[f32], front: &[f32], width: usize) -> f64 {
             length += h * if inside { 1.0 } else { 0.5 };
         }
     }
+    length
+}
+
+/// The energy of a front in pixels with the means that are best for it.
+fn energy(config: &Config, image: &[f32], front: &[f32], width: usize) -> f64 {
+    let ChanVese { mu, lambda1, lambda2 } = config.chan_vese;
     let mut data = 0.0;
     for (sign, lambda) in [(1.0, lambda1), (-1.0, lambda2)] {
         let weighted = || image.iter().zip(front).map(|(&i, &v)| (f64::from(i), 1.0 + sign * f64::from(v)));
@@ -49,7 +54,7 @@ fn energy(config: &Config, image: &[f32], front: &[f32], width: usize) -> f64 {
         let mean = light / f64::max(weight, 1e-30);
         data += f64::from(lambda) * weighted().map(|(i, w)| w * (i - mean).powi(2)).sum::<f64>();
     }
-    f64::from(mu / config.dx) * length + data
+    f64::from(mu / config.dx) * length(config, front, width) + data
 }
 
 /// A value of the front is rounded to 2^-24 in each of about ten operations and the energy changes by at most

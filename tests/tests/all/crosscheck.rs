@@ -270,16 +270,34 @@ fn every_caption_is_reproduced_and_drawn() {
     assert_eq!(run.status.code(), Some(0), "{}", messages(&run));
     let table = text(&run);
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split('\t').collect()).collect();
-    assert_eq!(rows[0], ["image", "test", "caption", "paper t", "t", "steps", "stop", "mask pixels", "sources"]);
+    assert_eq!(
+        rows[0],
+        ["image", "test", "caption", "paper t", "t", "time", "steps", "stop", "mask pixels", "sources"]
+    );
     assert_eq!(rows.iter().filter(|row| row[1] == "1").count(), 16, "{table}");
     assert_eq!(rows.iter().filter(|row| row[1] == "2").count(), 8, "{table}");
     // Erratum 3: as printed, finite differences with curvature come to rest later, or in a larger frame never.
     let [consistent, printed] = [3, 4].map(|index| &rows[index]);
     assert_eq!((consistent[2], printed[2]), ("none, FD curvature 1e-4, g1", "the same, as printed"));
-    let steps = |row: &[&str]| row[5].parse::<u32>().expect("a number of steps");
+    let steps = |row: &[&str]| row[6].parse::<u32>().expect("a number of steps");
     assert!(steps(printed) > steps(consistent), "{table}");
     let sheet =
         png::Decoder::new(std::io::BufReader::new(fs::File::open(folder.file("out/reproduce.png")).expect("a sheet")));
     let sheet = sheet.read_info().expect("a PNG");
     assert!(sheet.info().width as usize > 2 * WIDTH && sheet.info().height as usize > 8 * HEIGHT, "{:?}", sheet.info());
+    let page = fs::read_to_string(folder.file("out/reproduce.md")).expect("a page");
+    for row in &rows[1..] {
+        assert!(
+            page.contains(&format!("| {} | {} | {} | {} | {} |", row[1], row[2], row[3], row[4], row[5])),
+            "{row:?}"
+        );
+    }
+    assert!(
+        page.contains("| - | the default | - | - | - |") && page.contains("| r3 is best (high resolution) |"),
+        "{page}"
+    );
+    let pictures = page.lines().filter_map(|line| line.strip_prefix("![")?.split_once(']'));
+    let pictures: Vec<&str> = pictures.map(|(name, _)| name).collect();
+    assert_eq!(pictures, ["reproduce-curves.png", "reproduce-1.png", "reproduce.png"]);
+    assert!(pictures.iter().all(|name| folder.path().join("out").join(name).exists()));
 }

@@ -27,6 +27,7 @@ mod limits;
 mod maps;
 mod measures;
 mod memory;
+mod multiphase;
 mod mutants;
 mod no_panic;
 mod paper_table;

@@ -34,7 +34,7 @@ fn tolerance(scheme: Scheme) -> (u32, u32) {
         Scheme::Fd | Scheme::FastMarching => (0, 0),
         Scheme::FdCurvature => (2, 2),
         Scheme::Sl | Scheme::SlCurvature => (2, 10),
-        Scheme::Region | Scheme::FdFiltered | Scheme::ChanVese => unreachable!("no scheme of the paper"),
+        _ => unreachable!("no scheme of the paper"),
     }
 }
 

@@ -216,6 +216,7 @@ fn faults_are_seen_where_they_are_made() {
     let r1 = Config { rescale: Rescale::R1 { alpha: 0.25 }, ..PAPER };
     let pm = Config { filter: Filter::PeronaMalik { diffusivity: Diffusivity::F2, mu: 2.0 }, ..PAPER };
     let cv = PAPER.with_scheme(Scheme::ChanVese);
+    let phases = PAPER.with_scheme(Scheme::Multiphase);
     let weighted = Config { chan_vese: ChanVese { mu: 0.005, lambda1: 1.5, lambda2: 0.5 }, ..cv };
     let bent = Config { nu: 0.05, ..PAPER.with_scheme(Scheme::FdCurvature) };
     let looking = Config { nu: 0.05, dt: 0.05, ..PAPER.with_scheme(Scheme::SlCurvature) };
@@ -225,7 +226,7 @@ fn faults_are_seen_where_they_are_made() {
     let bilateral = filtered(Filter::Bilateral { contrast: 0.1 });
     let flat = filtered(Filter::TotalVariation { weight: 0.1 });
     let starlet = filtered(Filter::Starlet { significance: 3.0 });
-    let faults: [(&Config, Fault, &str); 30] = [
+    let faults: [(&Config, Fault, &str); 33] = [
         (&PAPER, |p| p.normalize = reference::Normalize::Percentile(0.5, 99.9), "levels"),
         (&noisy, |p| p.normalize = reference::Normalize::Noise(3.0, 30.001), "levels"),
         (&noisy, |p| p.normalize = reference::Normalize::MinMax, "levels"),
@@ -254,6 +255,9 @@ fn faults_are_seen_where_they_are_made() {
         (&PAPER, |p| p.band = Some(8.0), "u0"),
         (&PAPER, |p| p.dt = 0.025_01, "u"),
         (&PAPER, |p| p.scheme = reference::Scheme::FdFiltered, "u"),
+        (&phases, |p| p.mu = 0.005_2, "u"),
+        (&phases, |p| p.dt = 8.1, "u"),
+        (&phases, |p| p.scheme = reference::Scheme::ChanVese, "u0"),
         (&PAPER, |p| p.eps = 2e-3, "stop"),
         (&PAPER, |p| p.eps_front = 0.11, "change"),
         (&bent, |p| p.nu = 0.051, "u"),

@@ -144,13 +144,13 @@ fn offered<A: Arithmetic>(config: &Config, size: (usize, usize), bytes: &[u8]) -
     error
 }
 
-/// The format has the number 6; the same words under another number are another format.
+/// The format has the number 7; the same words under another number are another format.
 #[test]
 fn another_format_is_refused_by_its_version() {
     let config = Config::PAPER_F160;
     let bytes = halfway::<F32>(&config);
-    assert_eq!(bytes[4..8], 6u32.to_le_bytes());
-    for version in [0, 5, 7, 1 << 24] {
+    assert_eq!(bytes[4..8], 7u32.to_le_bytes());
+    for version in [0, 6, 8, 1 << 24] {
         let mut other = bytes.clone();
         other[4..8].copy_from_slice(&u32::to_le_bytes(version));
         let error = offered::<F32>(&config, (WIDTH, HEIGHT), &other);

@@ -96,7 +96,7 @@ static FILTERS: [Preset; 5] = [
 
 /// Every motion there is: what stands here has golden digests, and is tried by the tests of snapshots, upsets,
 /// budgets, memory and slices.
-pub static MOTIONS: [Motion; 8] = [
+pub static MOTIONS: [Motion; 9] = [
     Motion { name: "fd", scheme: Scheme::Fd, start: Start::Frame },
     Motion { name: "fd-curvature", scheme: Scheme::FdCurvature, start: Start::Frame },
     Motion { name: "sl", scheme: Scheme::Sl, start: Start::Frame },
@@ -105,6 +105,7 @@ pub static MOTIONS: [Motion; 8] = [
     Motion { name: "near", scheme: Scheme::Fd, start: Start::Threshold { margin: 3.0 } },
     Motion { name: "chan-vese", scheme: Scheme::ChanVese, start: Start::Threshold { margin: 1.0 } },
     Motion { name: "fd-filtered", scheme: Scheme::FdFiltered, start: Start::Frame },
+    Motion { name: "multiphase", scheme: Scheme::Multiphase, start: Start::Frame },
 ];
 
 impl Motion {

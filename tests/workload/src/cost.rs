@@ -77,9 +77,10 @@ const RESCALES: [Rescale; 5] = [
 ];
 
 /// Every scheme, with every number of directions.
-const SCHEMES: [(Scheme, u8); 9] = [
+const SCHEMES: [(Scheme, u8); 10] = [
     (Scheme::FastMarching, 16),
     (Scheme::ChanVese, 16),
+    (Scheme::Multiphase, 16),
     (Scheme::Fd, 16),
     (Scheme::FdFiltered, 16),
     (Scheme::FdCurvature, 16),

@@ -1,6 +1,6 @@
 //! The scheme chosen at run time.
 
-use super::{ChanVese, Evolve, Fd, FdCurvature, FdFiltered, Marching, Sl, SlCurvature, Step};
+use super::{ChanVese, Evolve, Fd, FdCurvature, FdFiltered, Marching, Multiphase, Sl, SlCurvature, Step};
 use crate::arithmetic::Arithmetic;
 use crate::config::{Config, Scheme};
 use crate::plane::sweep::Band;
@@ -26,6 +26,8 @@ pub enum AnyScheme<A: Arithmetic> {
     SlCurvatureFine(SlCurvature<A, 15>),
     /// Active contours without edges.
     ChanVese(ChanVese<A>),
+    /// Active contours without edges, four phases.
+    Multiphase(Multiphase<A>),
     /// No steps at all.
     FastMarching(Marching),
 }
@@ -42,6 +44,7 @@ macro_rules! each {
             AnyScheme::SlCurvature($scheme) => $expression,
             AnyScheme::SlCurvatureFine($scheme) => $expression,
             AnyScheme::ChanVese($scheme) => $expression,
+            AnyScheme::Multiphase($scheme) => $expression,
             AnyScheme::FastMarching($scheme) => $expression,
         }
     };
@@ -60,6 +63,7 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
             (Scheme::Sl, false) => Sl::new(config, unit).map(AnyScheme::Sl),
             (Scheme::Sl, true) => Sl::new(config, unit).map(AnyScheme::SlFine),
             (Scheme::ChanVese, _) => ChanVese::new(config, unit).map(AnyScheme::ChanVese),
+            (Scheme::Multiphase, _) => Multiphase::new(config, unit).map(AnyScheme::Multiphase),
             (Scheme::FastMarching, _) => <Marching as Evolve<A>>::new(config, unit).map(AnyScheme::FastMarching),
             (Scheme::SlCurvature, false) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvature),
             (Scheme::SlCurvature, true) => SlCurvature::new(config, unit).map(AnyScheme::SlCurvatureFine),

@@ -11,11 +11,7 @@
 //! the energy is convex (doi:10.1137/040615286), and where it is least v is -1 or 1 almost
 //! everywhere.
 //!
-//! The length is a sum over squares of four pixels of `h(s)`, s^2 the mean of the squared
-//! differences along opposite sides, added for both axes; `h(s) = s` above the limit `degenerate`
-//! and a parabola below: there the curvature is the average of the four neighbours minus v, as in
-//! the consistent form of the other schemes. A square at the border, whose outer half repeats the
-//! inner one, counts half. No direction is preferred.
+//! The length |grad v| is that of [`Length`].
 //!
 //! A step is the authors' semi-implicit one with the weight of the centre doubled, because rows
 //! are updated from old values only: `v + dt (F + mu/dx sum w (v_k - v)) / (1 + 2 dt mu/dx sum w)`,
@@ -23,6 +19,7 @@
 //! that touches the energy and lies above it (h is concave in s^2, and the weighted Laplacian is at
 //! most twice its diagonal), so the energy never rises, whatever dt; nor does it with new means.
 
+use super::length::{Length, Nearby};
 use super::{Evolve, Step, corners};
 use crate::arithmetic::{Arithmetic, Real};
 use crate::config::{Config, Scheme};
@@ -33,13 +30,10 @@ use core::ops::Range;
 /// The scheme of Chan and Vese.
 #[derive(Clone, Copy, Debug)]
 pub struct ChanVese<A: Arithmetic> {
-    /// `dt mu / dx`, the weight of the length in a step.
-    length: A::Real,
+    length: Length<A>,
     /// `dt lambda1` and `dt lambda2`.
     inside: A::Real,
     outside: A::Real,
-    /// Differences below this are flat, in pixels per pixel.
-    flat: A::Real,
 }
 
 /// The kernel of one step, with the means it works with.
@@ -51,16 +45,6 @@ struct Sweep<A: Arithmetic> {
     step: Step<A>,
 }
 
-impl<A: Arithmetic> ChanVese<A> {
-    /// Half the weight of a square with these differences along its four sides.
-    #[inline(always)]
-    fn weight(&self, sides: [A::Real; 4]) -> A::Real {
-        let [a, b, c, d] = sides;
-        let steep = A::norm(a, b, c, d) * A::Real::of(core::f32::consts::FRAC_1_SQRT_2);
-        A::Real::of(0.5).ratio(steep.greatest(self.flat))
-    }
-}
-
 impl<A: Arithmetic> Kernel<A, 3> for Sweep<A> {
     #[inline(always)]
     fn row(&mut self, old: &[&[A::Cell]; 3], image: &[A::Cell], new: &mut [A::Cell]) {
@@ -69,21 +53,11 @@ impl<A: Arithmetic> Kernel<A, 3> for Sweep<A> {
         for ((((new, &v), sides), corners), &pixel) in
             new.iter_mut().zip(cross.centre).zip(cross.sides()).zip(corners(old)).zip(image)
         {
-            let v = A::level(v);
-            let [l, r, b, a] = sides.map(|cell| A::level(cell) - v);
-            let [bl, br, al, ar] = corners.map(|cell| A::level(cell) - v);
-            let square = |x: A::Real, y: A::Real, corner: A::Real| scheme.weight([x, corner - y, y, corner - x]);
-            let (wbl, wbr, wal, war) = (square(l, b, bl), square(r, b, br), square(l, a, al), square(r, a, ar));
-            let [wl, wr, wb, wa] = [wbl + wal, wbr + war, wbl + wbr, wal + war];
-            let bend = (wl * l + wr * r) + (wb * b + wa * a);
-            let weights = (wl + wr) + (wb + wa);
+            let near = Nearby { centre: A::level(v), sides: sides.map(A::level), corners: corners.map(A::level) };
             let pixel = A::pixel(pixel);
             let (from_inside, from_outside) = (pixel - c1, pixel - c2);
             let force = scheme.outside * (from_outside * from_outside) - scheme.inside * (from_inside * from_inside);
-            let length = scheme.length;
-            let divisor = A::Real::ONE + (length + length) * weights;
-            let moved = v + (force + length * bend).ratio(divisor);
-            *new = A::to_level(moved.least(A::Real::ONE).greatest(-A::Real::ONE));
+            *new = A::to_level(scheme.length.step(&near, force));
         }
     }
 
@@ -99,10 +73,9 @@ impl<A: Arithmetic> Evolve<A> for ChanVese<A> {
         let weights = config.chan_vese;
         match config.scheme {
             Scheme::ChanVese => Ok(ChanVese {
-                length: A::Real::of(config.dt * weights.mu / config.dx),
+                length: Length::new(config),
                 inside: A::Real::of(config.dt * weights.lambda1),
                 outside: A::Real::of(config.dt * weights.lambda2),
-                flat: A::Real::of(config.degenerate),
             }),
             other => Err(other),
         }
@@ -113,7 +86,7 @@ impl<A: Arithmetic> Evolve<A> for ChanVese<A> {
     }
 
     fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
-        let (c1, c2) = step.means.values::<A>();
+        let [c2, c1, ..] = step.means.values::<A>();
         let mut sweep = Sweep { scheme: *self, c1, c2, step: *step };
         advance_active::<A, _, 3>(&mut sweep, band, tiles, rows);
         *step = sweep.step;

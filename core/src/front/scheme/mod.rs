@@ -8,7 +8,9 @@ mod chan_vese;
 mod fd;
 mod fd_curvature;
 mod fd_filtered;
+mod length;
 mod marching;
+mod multiphase;
 mod preset;
 mod sl;
 mod sl_curvature;
@@ -19,6 +21,7 @@ pub use fd::Fd;
 pub use fd_curvature::FdCurvature;
 pub use fd_filtered::FdFiltered;
 pub use marching::Marching;
+pub use multiphase::Multiphase;
 pub(crate) use preset::Chosen;
 pub use preset::{Fixed, Preset};
 pub use sl::Sl;
@@ -65,7 +68,7 @@ pub struct Step<A: Arithmetic> {
     pub settle: Settle<A>,
     /// What changed so far in this step.
     pub change: Change<A>,
-    /// The means of the two regions of Chan and Vese, as they were before this step.
+    /// The means of the regions of Chan and Vese, as they were before this step.
     pub means: Means,
 }
 

@@ -2,9 +2,9 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::Arithmetic;
-use crate::config::{Filter, Normalize, Rescale, Scheme, Tau};
+use crate::config::{Filter, Normalize, Rescale, Tau};
 use crate::error::Error;
-use crate::front::region::{Moments, Regions};
+use crate::front::region::{Means, Moments};
 use crate::front::scheme::Evolve;
 use crate::front::stop::Change;
 use crate::image::filter::starlet::Starlet;
@@ -64,6 +64,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 Rescale::R3 { tau, .. } => state.tau = counts.threshold(tau),
                 _ => {}
             },
+            Stage::StartLevel if self.config.scheme.has_two_fronts() => {
+                state.regions.means = Means::of(counts.four_classes());
+            }
             Stage::StartLevel => state.tau = counts.otsu(),
             Stage::March if state.marching => {
                 // A march that was left alone ends before its bound.
@@ -96,7 +99,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 let at_rest = self.rule.at_rest(&state.change);
                 let moved = state.change.regions;
                 state.change = Change::none(&self.rule);
-                if self.config.scheme == Scheme::ChanVese && state.regions.turn(&moved) {
+                if self.config.scheme.is_by_regions() && state.regions.turn(&moved) {
                     Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
                 }
                 if at_rest {
@@ -104,6 +107,10 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 } else if state.steps < self.config.max_steps() {
                     return Ok(());
                 }
+            }
+            Stage::Turn if self.config.scheme.has_two_fronts() && state.pass < 2 => {
+                state.regions.turn(&Moments::default());
+                return Ok(());
             }
             _ => {}
         }
@@ -134,9 +141,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
                 state.fill = state.range.apply(state.fill, 0.0);
             }
-            (Stage::Front, _) => state.regions = Regions::NONE,
+            (Stage::Front | Stage::Turn, _) => state.regions = state.regions.anew(),
             (Stage::Evolve, _) => {
-                if self.config.scheme == Scheme::ChanVese {
+                if self.config.scheme.is_by_regions() {
                     state.regions.turn(&Moments::default());
                 }
                 Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();

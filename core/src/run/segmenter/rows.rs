@@ -2,9 +2,10 @@
 
 use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::{Motion, Normalize, Rescale, Scheme, Start, Tau};
+use crate::config::{Motion, Normalize, Rescale, Start, Tau};
 use crate::error::Error;
 use crate::front::march::March;
+use crate::front::pair;
 use crate::front::profile::turn_row;
 use crate::front::scheme::{Evolve, Step};
 use crate::front::start;
@@ -60,7 +61,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::StartMark | Stage::StartUp | Stage::StartDown => self.start_row(y),
             Stage::Front => self.front_row(y).map_err(corrupted)?,
             Stage::Seed | Stage::Sow | Stage::March | Stage::Arrive => self.march_row(y),
-            Stage::Turn => turn_row::<A>(row_of_mut(self.memory.front, width, y)),
+            Stage::Turn => self.turn_row(y),
             _ => self.label_row(y).map_err(corrupted)?,
         }
         Ok(())
@@ -69,6 +70,10 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     fn front_row(&mut self, y: usize) -> Result<(), &'static str> {
         let row = row_of_mut(self.memory.front, self.width, y);
         match self.config.start {
+            _ if self.config.scheme.has_two_fronts() => {
+                let image = row_of(self.memory.image, self.width, y);
+                pair::start_row::<A>(self.state.regions.means.values::<A>(), image, row);
+            }
             Start::Frame => self.profile.row::<A>(y, row),
             Start::Threshold { margin } => self.profile.outside_row::<A>(margin, row),
             Start::Given => {
@@ -83,11 +88,23 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
             }
         }
-        if self.config.scheme == Scheme::ChanVese {
+        if self.config.scheme.is_by_regions() {
             let image = row_of(self.memory.image, self.width, y);
             self.state.regions.add_row::<A>(row_of(self.memory.front, self.width, y), image);
         }
         Ok(())
+    }
+
+    fn turn_row(&mut self, y: usize) {
+        let row = row_of_mut(self.memory.front, self.width, y);
+        match (self.config.scheme.has_two_fronts(), self.state.pass) {
+            (true, 0) => {
+                pair::decide_row::<A>(row);
+                self.state.regions.add_row::<A>(row, row_of(self.memory.image, self.width, y));
+            }
+            (true, _) => pair::rank_row::<A>(self.state.regions.ranks(), row),
+            (false, _) => turn_row::<A>(row),
+        }
     }
 
     fn start_row(&mut self, y: usize) {

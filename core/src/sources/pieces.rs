@@ -7,7 +7,7 @@ use crate::arithmetic::Level;
 use crate::arithmetic::codec::Codec;
 use crate::config::Connectivity;
 use crate::plane::grid::Grid;
-use crate::plane::rows::used_in;
+use crate::plane::rows::{next_with, row_of, used_in};
 use crate::plane::walk::Walk;
 use crate::sources::tree::Region;
 
@@ -31,20 +31,23 @@ pub(crate) struct Joining {
     next: usize,
     /// What the piece at hand was before.
     label: u32,
-    /// The pixels of a source.
-    pixels: u32,
+    /// Runs of the rows so far, and which of them is the first of the last row.
+    runs: usize,
+    first: usize,
     /// The source that a piece touches most so far, and how often.
     owner: (u32, u32),
 }
 
 impl Joining {
     /// Before the first pass.
-    pub const NOTHING: Joining = Joining { next: 0, label: 0, pixels: 0, owner: (0, 0) };
+    pub const NOTHING: Joining = Joining { next: 0, label: 0, runs: 0, first: 0, owner: (0, 0) };
 
     /// The list of fields, out or in.
     pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
-        codec.size(&mut self.next)?;
-        for word in [&mut self.label, &mut self.pixels, &mut self.owner.0, &mut self.owner.1] {
+        for size in [&mut self.next, &mut self.runs, &mut self.first] {
+            codec.size(size)?;
+        }
+        for word in [&mut self.label, &mut self.owner.0, &mut self.owner.1] {
             codec.word(word)?;
         }
         Ok(())
@@ -57,57 +60,53 @@ fn index(label: u32) -> usize {
 
 /// Leaves of every source one piece, connected also by corners: that with its peak, if the source still
 /// has it, unless another is [`PEAK`] times as large; else the largest, the first of equals. Gives the
-/// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` is
-/// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: four looks at each
-/// pixel and its neighbours.
+/// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` and `known` are
+/// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: two looks at each pixel, and four at
+/// those of sources of more than one piece and at their neighbours.
 pub(crate) fn connect<L: Level>(
     walk: &mut Walk,
     joining: &mut Joining,
     grid: Grid,
     labels: &mut [u32],
-    queue: &mut [u32],
+    (queue, known): (&mut [u32], &mut [u32]),
     regions: &mut [Region<L>],
 ) -> Option<()> {
     let corners = (grid, Connectivity::Eight);
     walk.pass(regions.len(), 1, |part| reset_areas(regions.get_mut(part)))?;
-    walk.pass(labels.len(), 1, |part| {
-        for (_, label) in used_in(labels, part) {
-            if let Some(region) = regions.get_mut(index(label)) {
-                region.area += 1;
-            }
+    walk.pass(grid.height, 2 * grid.width.get(), |rows| {
+        rows.for_each(|y| count_pieces(y, joining, grid, labels, (queue, known), regions));
+    })?;
+    walk.pass(regions.len(), 1, |part| {
+        for region in regions.get_mut(part).unwrap_or(&mut []) {
+            region.area = if region.area == 1 { WHOLE } else { 0 };
         }
     })?;
     walk.once(1, || joining.next = 0)?;
     let mark = walk.mark();
-    while let Some(at) = walk.each(regions.len(), &mut joining.next)? {
+    loop {
+        let has_peak = |&at: &usize| {
+            let region = regions.get(at).filter(|region| region.area == 0);
+            region.is_some_and(|region| index(label_at(labels, region.peak as usize)) == at)
+        };
+        let Some(at) = walk.seek(regions.len(), &mut joining.next, |mut range| range.find(has_peak))? else { break };
         let (label, peak) = (at as u32 + 1, regions.get(at).map_or(0, |region| region.peak as usize));
+        let area = relabel(walk, corners, (peak, [label, label | LOOSE]), labels, queue)?;
         walk.once(1, || {
-            joining.label = label_at(labels, peak);
-            joining.pixels = regions.get(at).map_or(0, |region| region.area);
-            reset_areas(regions.get_mut(at..at + 1));
+            if let Some(region) = regions.get_mut(at) {
+                region.area = (area as u32).saturating_mul(PEAK);
+            }
         })?;
-        if joining.label == label {
-            let area = relabel(walk, corners, (peak, [label, label | LOOSE]), labels, queue)?;
-            let is_one = area as u32 == joining.pixels;
-            walk.once(1, || {
-                if let Some(region) = regions.get_mut(at) {
-                    region.area = if is_one { WHOLE } else { (area as u32).saturating_mul(PEAK) };
-                }
-            })?;
-            let area = if is_one { area } else { 0 };
-            walk.pass(area, 1, |part| set_all(labels, queue.get(part), label))?;
-        }
         joining.next = at + 1;
         walk.again(mark);
     }
     find_largest(walk, joining, grid, labels, queue, regions)?;
     walk.once(1, || joining.next = 0)?;
     let mark = walk.mark();
-    while let Some(at) = walk.each(regions.len(), &mut joining.next)? {
-        let (label, largest) = (at as u32 + 1, regions.get(at).filter(|region| ![0, WHOLE].contains(&region.area)));
-        if let Some(region) = largest {
-            relabel(walk, corners, (region.peak as usize, [label | LOOSE, label]), labels, queue)?;
-        }
+    loop {
+        let is_open = |&at: &usize| regions.get(at).is_some_and(|region| ![0, WHOLE].contains(&region.area));
+        let Some(at) = walk.seek(regions.len(), &mut joining.next, |mut range| range.find(is_open))? else { break };
+        let (label, largest) = (at as u32 + 1, regions.get(at).map_or(0, |region| region.peak as usize));
+        relabel(walk, corners, (largest, [label | LOOSE, label]), labels, queue)?;
         joining.next = at + 1;
         walk.again(mark);
     }
@@ -124,6 +123,80 @@ fn reset_areas<L: Level>(regions: Option<&mut [Region<L>]>) {
 
 fn set_all(labels: &mut [u32], pixels: Option<&[u32]>, label: u32) {
     pixels.unwrap_or(&[]).iter().for_each(|&at| set(labels, at as usize, label));
+}
+
+/// Counts pieces in `area`: in row `y` every run of a source begins one, and is joined to those in the row above that it
+/// touches, also by a corner. `starts` has the first pixels of the runs, `known` what each is known by: itself, or
+/// an earlier one of its piece.
+fn count_pieces<L: Level>(
+    y: usize,
+    joining: &mut Joining,
+    grid: Grid,
+    labels: &[u32],
+    (starts, known): (&mut [u32], &mut [u32]),
+    regions: &mut [Region<L>],
+) {
+    let (width, end_above) = (grid.width.get(), joining.runs);
+    let (left, mut above) = (y * width, joining.first);
+    for (x, end, label) in runs(row_of(labels, width, y)) {
+        let own = joining.runs;
+        joining.runs += 1;
+        set(starts, own, (left + x) as u32);
+        set(known, own, own as u32);
+        let mut pieces = 1;
+        // Of the row above: from the corner on the left to that on the right.
+        let corner = (left + x.saturating_sub(1)).wrapping_sub(width);
+        let begins_by = |run: usize, at: usize| run < end_above && label_at(starts, run) as usize <= at;
+        while begins_by(above + 1, corner) {
+            above += 1;
+        }
+        let mut near = above;
+        while begins_by(near, (left + end).wrapping_sub(width)) {
+            let first = corner.max(label_at(starts, near) as usize);
+            if label_at(labels, first) == label && join(known, near, own) {
+                pieces -= 1;
+            }
+            near += 1;
+        }
+        if let Some(region) = regions.get_mut(index(label)) {
+            region.area = region.area.wrapping_add_signed(pieces);
+        }
+    }
+    joining.first = end_above;
+}
+
+/// The runs of one label in a row: first column, end and label.
+fn runs(row: &[u32]) -> impl Iterator<Item = (usize, usize, u32)> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let first = next_with(row, next, u32::MAX)?;
+        let label = label_at(row, first);
+        let others = row.get(first..)?.iter().position(|&other| other != label);
+        next = others.map_or(row.len(), |length| first + length);
+        Some((first, next, label))
+    })
+}
+
+/// Lets two runs be known by the first that either is known by; whether these were two.
+fn join(known: &mut [u32], one: usize, other: usize) -> bool {
+    let (one, other) = (first_run(known, one), first_run(known, other));
+    set(known, one.max(other), one.min(other) as u32);
+    one != other
+}
+
+/// The first run that one is known by; what leads there is halved on the way.
+fn first_run(known: &mut [u32], run: usize) -> usize {
+    let mut run = run;
+    loop {
+        let near = label_at(known, run) as usize;
+        let far = label_at(known, near) as usize;
+        // Of two runs the later one is known by the earlier.
+        if near >= run || far >= near {
+            return near.min(run);
+        }
+        set(known, run, far as u32);
+        run = far;
+    }
 }
 
 /// Marks the pieces of sources of more than one as loose, and remembers of each source the largest.
@@ -247,9 +320,9 @@ mod tests {
         let digits = picture.iter().flat_map(|row| row.bytes()).map(|digit| u32::from(digit - b'0'));
         labels.iter_mut().zip(digits).for_each(|(label, digit)| *label = digit);
         let grid = Grid::of(CELLS * WIDTH, WIDTH).expect("there are columns");
-        let labels_of_rows = &mut labels[..CELLS * WIDTH];
+        let (labels_of_rows, room) = (&mut labels[..CELLS * WIDTH], (&mut [0; 64][..], &mut [0; 64][..]));
         let _ =
-            connect(&mut Walk::whole(), &mut { Joining::NOTHING }, grid, labels_of_rows, &mut [0; 64], &mut regions);
+            connect(&mut Walk::whole(), &mut { Joining::NOTHING }, grid, labels_of_rows, room, &mut regions);
         core::array::from_fn(|y| core::array::from_fn(|x| b'0' + labels[y * WIDTH + x] as u8))
     }
 
@@ -272,6 +345,32 @@ mod tests {
         becomes(picture, 22, ["22222001", "22222011", "22222110", "22222330"]);
         let picture = ["11222000", "11222000", "11122010", "11122010"];
         becomes(picture, 22, ["11222000", "11222000", "11122000", "11122000"]);
+    }
+
+    /// Pieces as they are found pixel by pixel.
+    #[test]
+    fn runs_that_touch_are_one_piece() {
+        const SIDES: (usize, usize) = (23, 31);
+        const CELLS: usize = SIDES.0 * SIDES.1;
+        let (mut state, grid) = (1u32, Grid::of(CELLS, SIDES.0).expect("there are columns"));
+        for percent in [10, 35, 45, 60, 90, 100] {
+            let mut labels: [u32; CELLS] = core::array::from_fn(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                if (state >> 8) % 100 < percent { 1 + (state >> 16) % 3 } else { 0 }
+            });
+            let (mut joining, mut starts, mut known) = (Joining::NOTHING, [0; CELLS], [0; CELLS]);
+            let (mut regions, mut pieces) = ([Region::<f32>::BLANK; 3], [0; 3]);
+            let mut count =
+                |y| count_pieces(y, &mut joining, grid, &labels, (&mut starts, &mut known), &mut regions);
+            (0..SIDES.1).for_each(&mut count);
+            while let Some(first) = labels.iter().position(|&label| label != 0) {
+                let label = labels[first];
+                let corners = (grid, Connectivity::Eight);
+                let _ = relabel(&mut Walk::whole(), corners, (first, [label, 0]), &mut labels, &mut starts);
+                pieces[index(label)] += 1;
+            }
+            assert_eq!(regions.map(|region| region.area), pieces, "{percent} %");
+        }
     }
 
     #[test]

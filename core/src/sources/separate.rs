@@ -417,7 +417,7 @@ pub(crate) fn deblend<L: Level>(
         compete((walk, crew), contest, field, work.labels, regions, SWEEPS)?;
     }
     straighten((walk, crew), work.labels, work.order, grid, STRAIGHTENINGS)?;
-    connect(walk, joining, grid, work.labels, work.order, regions)
+    connect(walk, joining, grid, work.labels, (work.order, work.parents), regions)
 }
 
 /// Makes the connected components of the pixels inside the outlines that have a signal regions, in

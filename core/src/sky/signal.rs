@@ -8,7 +8,7 @@ use crate::plane::grid::Grid;
 use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::raster::{Sample, mixed};
-use crate::plane::rows::{row_of, rows_of, rows_of_mut};
+use crate::plane::rows::{row_of, rows_of_mut};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
 use crate::plane::walk::Walk;
@@ -305,9 +305,12 @@ pub(crate) fn smooth<L: Level, P: Sample>(
     view.tail(walk, (&mut noise.details, questions), detail, masked, work.keys.again())?;
     let least = noise.details.noise.scaled(L::Weight::of(LEPSKI));
     walk.pass(grid.height, width, |rows| {
-        for (smooth, &fine) in rows_of_mut(work.smooth, &rows, width).iter_mut().zip(rows_of(fine, &rows, width)) {
-            *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
-        }
+        let bands = bands_of(&rows, width * crew.rows(grid), width, work.smooth);
+        crew.each(bands, |(first, smooth)| {
+            for (smooth, &fine) in smooth.iter_mut().zip(fine.get(first * width..).unwrap_or(&[])) {
+                *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
+            }
+        });
     })
 }
 
@@ -323,14 +326,16 @@ pub(crate) fn mask_sources<L: Level, P: Sample>(
     let (grid, width) = (view.grid, view.grid.width.get());
     let (source, perhaps) = (L::ONE, perhaps());
     walk.pass(grid.height, width, |rows| {
-        let smooth = rows_of(work.smooth, &rows, width);
-        for (fine, &smooth) in rows_of_mut(work.fine, &rows, width).iter_mut().zip(smooth) {
-            *fine = match (smooth > outline, *fine > peak) {
-                (true, true) => source,
-                (true, false) => perhaps,
-                _ => L::ZERO,
-            };
-        }
+        let (smooth, bands) = (&*work.smooth, bands_of(&rows, width * crew.rows(grid), width, work.fine));
+        crew.each(bands, |(first, fine)| {
+            for (fine, &smooth) in fine.iter_mut().zip(smooth.get(first * width..).unwrap_or(&[])) {
+                *fine = match (smooth > outline, *fine > peak) {
+                    (true, true) => source,
+                    (true, false) => perhaps,
+                    _ => L::ZERO,
+                };
+            }
+        });
     })?;
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
     let marks = &mut *work.fine;

@@ -321,8 +321,7 @@ mod tests {
         labels.iter_mut().zip(digits).for_each(|(label, digit)| *label = digit);
         let grid = Grid::of(CELLS * WIDTH, WIDTH).expect("there are columns");
         let (labels_of_rows, room) = (&mut labels[..CELLS * WIDTH], (&mut [0; 64][..], &mut [0; 64][..]));
-        let _ =
-            connect(&mut Walk::whole(), &mut { Joining::NOTHING }, grid, labels_of_rows, room, &mut regions);
+        let _ = connect(&mut Walk::whole(), &mut { Joining::NOTHING }, grid, labels_of_rows, room, &mut regions);
         core::array::from_fn(|y| core::array::from_fn(|x| b'0' + labels[y * WIDTH + x] as u8))
     }
 
@@ -360,8 +359,7 @@ mod tests {
             });
             let (mut joining, mut starts, mut known) = (Joining::NOTHING, [0; CELLS], [0; CELLS]);
             let (mut regions, mut pieces) = ([Region::<f32>::BLANK; 3], [0; 3]);
-            let mut count =
-                |y| count_pieces(y, &mut joining, grid, &labels, (&mut starts, &mut known), &mut regions);
+            let mut count = |y| count_pieces(y, &mut joining, grid, &labels, (&mut starts, &mut known), &mut regions);
             (0..SIDES.1).for_each(&mut count);
             while let Some(first) = labels.iter().position(|&label| label != 0) {
                 let label = labels[first];

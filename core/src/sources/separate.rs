@@ -14,7 +14,7 @@ use crate::plane::walk::Walk;
 use crate::sources::centre::{centre_on_light, shape};
 use crate::sources::deblend::{Contest, Opening, Reopening, compete, reopen, straighten};
 use crate::sources::pieces::{Joining, connect, relabel};
-use crate::sources::tree::{Count, Noise, Region, grow, region_at, root};
+use crate::sources::tree::{Count, Noise, Region, grow, region_at, root_of};
 use crate::sources::typical::Typical;
 use core::ops::Range;
 
@@ -108,7 +108,7 @@ pub(crate) fn tree<L: Level>(
     })?;
     walk.pass(order.len(), 1, |part| {
         for (rank, &at) in (0..).zip(order).take(part.end).skip(part.start) {
-            let root = root(work.parents, rank);
+            let root = root_of(work.parents, rank);
             let index = region_at(work.parents, root);
             let large = work.regions.get(index).is_some_and(|region| region.area >= LEAST_AREA);
             set(work.labels, at, if large { index as u32 + 1 } else { 0 });

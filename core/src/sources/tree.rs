@@ -142,7 +142,7 @@ const ROOT: u32 = 1 << 31;
 const NONE: u32 = u32::MAX;
 
 /// The first pixel of a pixel's region, both by rank; paths are halved on the way.
-pub fn root(parents: &mut [u32], mut rank: u32) -> u32 {
+pub fn root_of(parents: &mut [u32], mut rank: u32) -> u32 {
     let parent = |parents: &[u32], rank: u32| parents.get(rank as usize).copied().unwrap_or(NONE);
     loop {
         let near = parent(parents, rank);
@@ -161,6 +161,7 @@ pub fn root(parents: &mut [u32], mut rank: u32) -> u32 {
 }
 
 /// The index of the region whose first pixel has this rank; beyond all tables for a pixel that is in none.
+#[inline]
 pub fn region_at(parents: &[u32], root: u32) -> usize {
     parents.get(root as usize).map_or(usize::MAX, |parent| (parent & !ROOT) as usize)
 }
@@ -184,18 +185,21 @@ pub(crate) fn grow<L: Level>(
     for (rank, &pixel) in (0..).zip(order).take(part.end).skip(part.start) {
         let at = pixel as usize;
         let value = field.at(at);
-        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
+        let (mut roots, mut found, mut nearest, mut root) = ([NONE; 8], 0, None::<(L, u32)>, NONE);
         for near in field.grid.touching(at, config.connectivity.neighbours()) {
             let Some(known) = rank_of(near).filter(|&near| near < rank && !is_out(parents, near)) else { continue };
-            let root = root(parents, known);
+            // Most neighbours are of one region, and some know its root.
+            if known != root && parents.get(known as usize) != Some(&root) {
+                root = root_of(parents, known);
+                if !roots.contains(&root)
+                    && let Some(free) = roots.get_mut(found)
+                {
+                    *free = root;
+                    found += 1;
+                }
+            }
             if nearest.is_none_or(|(value, _)| field.at(near) > value) {
                 nearest = Some((field.at(near), root));
-            }
-            if !roots.contains(&root)
-                && let Some(free) = roots.get_mut(found)
-            {
-                *free = root;
-                found += 1;
             }
         }
         let Some(own) = parents.get_mut(rank as usize) else { break };
@@ -222,7 +226,7 @@ pub(crate) fn grow<L: Level>(
             // What is brighter is in the tree, or will be: the components are gone through one after another.
             let key = |at: usize| (!field.at(at).key(), at);
             let foreign = |near: usize| match rank_of(near) {
-                Some(known) if known < rank && !is_out(parents, known) => root(parents, known) != host,
+                Some(known) if known < rank && !is_out(parents, known) => root_of(parents, known) != host,
                 Some(_) => key(near) < key(at),
                 None => false,
             };
@@ -263,6 +267,7 @@ pub(crate) fn grow<L: Level>(
 }
 
 /// Whether a pixel that was met is in no region.
+#[inline]
 fn is_out(parents: &[u32], rank: u32) -> bool {
     parents.get(rank as usize).is_none_or(|&parent| parent == NONE)
 }

@@ -7,9 +7,9 @@ use crate::arithmetic::Level;
 use crate::arithmetic::codec::Codec;
 use crate::config::Connectivity;
 use crate::plane::grid::Grid;
-use crate::plane::rows::{next_with, row_of, used_in};
+use crate::plane::rows::{next_with, row_of, row_of_mut};
 use crate::plane::walk::Walk;
-use crate::sources::tree::Region;
+use crate::sources::tree::{ROOT, Region, root_of};
 
 /// A pixel of a piece that is not, or not yet, the one that stays.
 const LOOSE: u32 = 1 << 31;
@@ -62,7 +62,7 @@ fn index(label: u32) -> usize {
 /// has it, unless another is [`PEAK`] times as large; else the largest, the first of equals. Gives the
 /// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` and `known` are
 /// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: two looks at each pixel, and four at
-/// those of sources of more than one piece and at their neighbours.
+/// those that a source loses and at their neighbours.
 pub(crate) fn connect<L: Level>(
     walk: &mut Walk,
     joining: &mut Joining,
@@ -71,45 +71,42 @@ pub(crate) fn connect<L: Level>(
     (queue, known): (&mut [u32], &mut [u32]),
     regions: &mut [Region<L>],
 ) -> Option<()> {
-    let corners = (grid, Connectivity::Eight);
+    let width = grid.width.get();
     walk.pass(regions.len(), 1, |part| reset_areas(regions.get_mut(part)))?;
-    walk.pass(grid.height, 2 * grid.width.get(), |rows| {
+    walk.pass(grid.height, 2 * width, |rows| {
         rows.for_each(|y| count_pieces(y, joining, grid, labels, (queue, known), regions));
     })?;
-    walk.pass(regions.len(), 1, |part| {
-        for region in regions.get_mut(part).unwrap_or(&mut []) {
-            region.area = if region.area == 1 { WHOLE } else { 0 };
+    // Of sources of more than one, that which is known to stay.
+    let starts = queue.get(..joining.runs).unwrap_or(&[]);
+    walk.pass(regions.len(), 2, |part| {
+        let labelled = (part.start as u32 + 1..).zip(regions.get_mut(part).unwrap_or(&mut []));
+        for (label, region) in labelled {
+            if region.area <= 1 {
+                region.area = if region.area == 1 { WHOLE } else { 0 };
+                continue;
+            }
+            let peak = region.peak;
+            (region.area, region.peak) = (0, 0);
+            if label_at(labels, peak as usize) == label {
+                let run = starts.partition_point(|&start| start <= peak).saturating_sub(1);
+                let first = root_of(known, run as u32);
+                (region.area, region.peak) = (area_of(known, first).saturating_mul(PEAK), first);
+            }
         }
     })?;
-    walk.once(1, || joining.next = 0)?;
-    let mark = walk.mark();
-    loop {
-        let has_peak = |&at: &usize| {
-            let region = regions.get(at).filter(|region| region.area == 0);
-            region.is_some_and(|region| index(label_at(labels, region.peak as usize)) == at)
-        };
-        let Some(at) = walk.seek(regions.len(), &mut joining.next, |mut range| range.find(has_peak))? else { break };
-        let (label, peak) = (at as u32 + 1, regions.get(at).map_or(0, |region| region.peak as usize));
-        let area = relabel(walk, corners, (peak, [label, label | LOOSE]), labels, queue)?;
-        walk.once(1, || {
-            if let Some(region) = regions.get_mut(at) {
-                region.area = (area as u32).saturating_mul(PEAK);
+    walk.pass(starts.len(), 1, |part| {
+        for (run, &start) in (0..).zip(starts).take(part.end).skip(part.start) {
+            let region = regions.get_mut(index(label_at(labels, start as usize)));
+            let area = area_of(known, run);
+            if let Some(region) = region.filter(|region| area > region.area) {
+                (region.area, region.peak) = (area, run);
             }
-        })?;
-        joining.next = at + 1;
-        walk.again(mark);
-    }
-    find_largest(walk, joining, grid, labels, queue, regions)?;
-    walk.once(1, || joining.next = 0)?;
-    let mark = walk.mark();
-    loop {
-        let is_open = |&at: &usize| regions.get(at).is_some_and(|region| ![0, WHOLE].contains(&region.area));
-        let Some(at) = walk.seek(regions.len(), &mut joining.next, |mut range| range.find(is_open))? else { break };
-        let (label, largest) = (at as u32 + 1, regions.get(at).map_or(0, |region| region.peak as usize));
-        relabel(walk, corners, (largest, [label | LOOSE, label]), labels, queue)?;
-        joining.next = at + 1;
-        walk.again(mark);
-    }
+        }
+    })?;
+    walk.once(1, || joining.runs = 0)?;
+    walk.pass(grid.height, width, |rows| {
+        rows.for_each(|y| loosen(row_of_mut(labels, width, y), joining, known, regions));
+    })?;
     walk.pass(regions.len(), 1, |part| reset_areas(regions.get_mut(part)))?;
     for round in 1..=ROUNDS {
         give_away(walk, joining, (grid, round < ROUNDS), labels, queue, regions)?;
@@ -126,8 +123,8 @@ fn set_all(labels: &mut [u32], pixels: Option<&[u32]>, label: u32) {
 }
 
 /// Counts pieces in `area`: in row `y` every run of a source begins one, and is joined to those in the row above that it
-/// touches, also by a corner. `starts` has the first pixels of the runs, `known` what each is known by: itself, or
-/// an earlier one of its piece.
+/// touches, also by a corner. `starts` has the first pixels of the runs, `known` an earlier one of its piece, or of the
+/// first of a piece its area.
 fn count_pieces<L: Level>(
     y: usize,
     joining: &mut Joining,
@@ -137,26 +134,27 @@ fn count_pieces<L: Level>(
     regions: &mut [Region<L>],
 ) {
     let (width, end_above) = (grid.width.get(), joining.runs);
-    let (left, mut above) = (y * width, joining.first);
+    // A row has no more runs than columns.
+    let (left, mut above) = (y * width, joining.first.max(end_above.saturating_sub(width)));
     for (x, end, label) in runs(row_of(labels, width, y)) {
         let own = joining.runs;
-        joining.runs += 1;
+        joining.runs = joining.runs.saturating_add(1);
         set(starts, own, (left + x) as u32);
-        set(known, own, own as u32);
+        set(known, own, ROOT | (end - x) as u32);
         let mut pieces = 1;
         // Of the row above: from the corner on the left to that on the right.
         let corner = (left + x.saturating_sub(1)).wrapping_sub(width);
-        let begins_by = |run: usize, at: usize| run < end_above && label_at(starts, run) as usize <= at;
+        let begins_by =
+            |run: usize, at: usize| run < end_above && starts.get(run).is_some_and(|&start| start as usize <= at);
         while begins_by(above + 1, corner) {
             above += 1;
         }
-        let mut near = above;
-        while begins_by(near, (left + end).wrapping_sub(width)) {
+        let corner_behind = (left + end).wrapping_sub(width);
+        for near in (above..).take(end - x + 2).take_while(|&near| begins_by(near, corner_behind)) {
             let first = corner.max(label_at(starts, near) as usize);
             if label_at(labels, first) == label && join(known, near, own) {
                 pieces -= 1;
             }
-            near += 1;
         }
         if let Some(region) = regions.get_mut(index(label)) {
             region.area = region.area.wrapping_add_signed(pieces);
@@ -177,53 +175,37 @@ fn runs(row: &[u32]) -> impl Iterator<Item = (usize, usize, u32)> {
     })
 }
 
-/// Lets two runs be known by the first that either is known by; whether these were two.
+/// Makes the pieces of two runs one; whether they were two.
 fn join(known: &mut [u32], one: usize, other: usize) -> bool {
-    let (one, other) = (first_run(known, one), first_run(known, other));
-    set(known, one.max(other), one.min(other) as u32);
-    one != other
-}
-
-/// The first run that one is known by; what leads there is halved on the way.
-fn first_run(known: &mut [u32], run: usize) -> usize {
-    let mut run = run;
-    loop {
-        let near = label_at(known, run) as usize;
-        let far = label_at(known, near) as usize;
-        // Of two runs the later one is known by the earlier.
-        if near >= run || far >= near {
-            return near.min(run);
-        }
-        set(known, run, far as u32);
-        run = far;
+    let (one, other) = (root_of(known, one as u32), root_of(known, other as u32));
+    if one == other {
+        return false;
     }
+    let (first, later) = (one.min(other), one.max(other));
+    let area = area_of(known, one).saturating_add(area_of(known, other));
+    set(known, first as usize, ROOT | area);
+    set(known, later as usize, first);
+    true
 }
 
-/// Marks the pieces of sources of more than one as loose, and remembers of each source the largest.
-fn find_largest<L: Level>(
-    walk: &mut Walk,
-    joining: &mut Joining,
-    grid: Grid,
-    labels: &mut [u32],
-    queue: &mut [u32],
-    regions: &mut [Region<L>],
-) -> Option<()> {
-    walk.once(1, || joining.next = 0)?;
-    let mark = walk.mark();
+/// The area of the piece that begins with a run; 0 where none does.
+fn area_of(known: &[u32], run: u32) -> u32 {
+    known.get(run as usize).filter(|&word| word & ROOT != 0).map_or(0, |word| word & !ROOT)
+}
+
+/// Marks the pixels of a row that are not of the piece that stays, of sources that have others.
+fn loosen<L: Level>(row: &mut [u32], joining: &mut Joining, known: &mut [u32], regions: &[Region<L>]) {
+    let mut next = 0;
     loop {
-        let is_open = |&(_, label): &(usize, u32)| regions.get(index(label)).is_some_and(|region| region.area != WHOLE);
-        let find = |range| used_in(labels, range).find(is_open).map(|(at, _)| at);
-        let Some(first) = walk.seek(labels.len(), &mut joining.next, find)? else { return Some(()) };
-        walk.once(1, || joining.label = label_at(labels, first))?;
-        let label = joining.label;
-        let area = relabel(walk, (grid, Connectivity::Eight), (first, [label, label | LOOSE]), labels, queue)? as u32;
-        walk.once(1, || {
-            if let Some(region) = regions.get_mut(index(label)).filter(|region| area > region.area) {
-                (region.area, region.peak) = (area, first as u32);
-            }
-        })?;
-        joining.next = first + 1;
-        walk.again(mark);
+        let found = runs(row.get(next..).unwrap_or(&[])).next();
+        let Some((first, end, label)) = found else { break };
+        let run = joining.runs as u32;
+        joining.runs = joining.runs.saturating_add(1);
+        let region = regions.get(index(label)).filter(|region| region.area != WHOLE);
+        if region.is_some_and(|region| root_of(known, run) != region.peak) {
+            row.get_mut(next + first..next + end).unwrap_or(&mut []).fill(label | LOOSE);
+        }
+        next += end;
     }
 }
 

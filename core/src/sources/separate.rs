@@ -222,7 +222,7 @@ impl Group<'_> {
         let Group { first, mut pixels, spare, ends } = self;
         let (key, mut start) = (|at: u32| !field.at(at as usize).key(), first);
         for end in ends.iter().map(|&end| end as usize).chain([first + pixels.len()]) {
-            let (component, rest) = pixels.split_at_mut_checked(end - start).unwrap_or_default();
+            let (component, rest) = pixels.split_at_mut_checked(end.saturating_sub(start)).unwrap_or_default();
             if component.len() < FEW {
                 sort::few(component, |a, b| key(a) < key(b));
             } else {
@@ -248,7 +248,7 @@ fn groups<'a>(
         }
         let inner = ends.partition_point(|&end| (end as usize) < first + share);
         let end = ends.get(inner).map_or(listed, |&end| end as usize);
-        let (pixels, rest) = core::mem::take(&mut order).split_at_mut_checked(end - first)?;
+        let (pixels, rest) = core::mem::take(&mut order).split_at_mut_checked(end.saturating_sub(first))?;
         let (own, room) = core::mem::take(&mut spare).split_at_mut_checked(pixels.len() + more)?;
         let group = Group { first, pixels, spare: own, ends: ends.get(..inner).unwrap_or(&[]) };
         (order, spare, first) = (rest, room, end);
@@ -281,7 +281,7 @@ fn by_component(
     walk.pass(growing.components, 1, |part| {
         for end in ends.get_mut(part).unwrap_or(&mut []) {
             let pixels = *end as usize;
-            (*end, growing.listed) = (growing.listed as u32, growing.listed + pixels);
+            (*end, growing.listed) = (growing.listed as u32, growing.listed.saturating_add(pixels));
         }
     })?;
     walk.pass(grid.height, width, |rows| {
@@ -289,7 +289,7 @@ fn by_component(
             if let Some(free) = ends.get_mut(known_by(labels, first) as usize) {
                 let places = order.get_mut(*free as usize..).unwrap_or(&mut []);
                 places.iter_mut().zip(first as u32..end as u32).for_each(|(place, at)| *place = at);
-                *free += (end - first) as u32;
+                *free = free.wrapping_add((end - first) as u32);
             }
         });
     })
@@ -312,13 +312,13 @@ fn number((first, end): (usize, usize), components: &mut usize, labels: &mut [u3
     if number == first as u32 {
         number = *components as u32;
         set(pixels, number, 0);
-        *components += 1;
+        *components = components.saturating_add(1);
     } else {
         number = known_by(labels, number as usize);
     }
     set(labels, first as u32, INSIDE | number);
     if let Some(pixels) = pixels.get_mut(number as usize) {
-        *pixels += (end - first) as u32;
+        *pixels = pixels.wrapping_add((end - first) as u32);
     }
 }
 
@@ -399,7 +399,7 @@ pub(crate) fn deblend<L: Level>(
     let Dividing { is_typical, opening, contest, joining } = dividing;
     let (field, light) = (Field { values: work.fine, grid }, Field { values: work.smooth, grid });
     let regions = work.regions.get_mut(..opening.count.regions).unwrap_or(&mut []);
-    centre_on_light(walk, [field, light], work.labels, regions, noise)?;
+    centre_on_light((walk, crew), [field, light], work.labels, regions, noise)?;
     Typical::find(walk, is_typical, whole, field, noise.least, regions, (work.parents, work.order))?;
     if whole.is_some_and(Whole::is_waiting) {
         return Some(());
@@ -409,11 +409,11 @@ pub(crate) fn deblend<L: Level>(
     let Deblending { excess, reopened_area, .. } = deblending;
     let reopening = Reopening { field, typical, noise, excess, least_area: reopened_area, connectivity };
     for _ in 0..REOPENINGS {
-        reopen(walk, opening, &reopening, work.labels, work.order, work.regions)?;
+        reopen((walk, crew), opening, &reopening, work.labels, work.order, work.regions)?;
     }
     let regions = work.regions.get_mut(..opening.count.regions).unwrap_or(&mut []);
     for _ in 0..COMPETITIONS {
-        shape(walk, field, work.labels, regions)?;
+        shape((walk, crew), field, work.labels, regions)?;
         compete((walk, crew), contest, field, work.labels, regions, SWEEPS)?;
     }
     straighten((walk, crew), work.labels, work.order, grid, STRAIGHTENINGS)?;

@@ -137,20 +137,21 @@ impl Count {
 const MOST: usize = 5;
 
 /// In place of a parent: the rest is the index of the region whose first pixel this is.
-const ROOT: u32 = 1 << 31;
+pub(crate) const ROOT: u32 = 1 << 31;
 /// Parent of a pixel that is in no region.
 const NONE: u32 = u32::MAX;
 
-/// The first pixel of a pixel's region, both by rank; paths are halved on the way.
+/// The first pixel of a pixel's region, both by rank; paths are halved on the way. What is no earlier rank ends the
+/// path: the mark of a root, and whatever else a damaged word may hold.
 pub fn root_of(parents: &mut [u32], mut rank: u32) -> u32 {
     let parent = |parents: &[u32], rank: u32| parents.get(rank as usize).copied().unwrap_or(NONE);
     loop {
         let near = parent(parents, rank);
-        if near & ROOT != 0 {
+        if near >= rank {
             return rank;
         }
         let far = parent(parents, near);
-        if far & ROOT != 0 {
+        if far >= near {
             return near;
         }
         if let Some(cell) = parents.get_mut(rank as usize) {

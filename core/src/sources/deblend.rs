@@ -8,7 +8,7 @@ use crate::config::Connectivity;
 use crate::plane::crew::Crew;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
-use crate::plane::rows::{last_with, next_with};
+use crate::plane::rows::{last_with, next_with, rows_of_mut};
 use crate::plane::walk::Walk;
 use crate::sky::photon::grown;
 use crate::sources::tree::{Count, Noise, Region};
@@ -159,7 +159,7 @@ impl<L: Level> Opening<L> {
 /// where two large galaxies meet there is the light of both. `queue` is as long as the plane;
 /// regions are added to those that are counted.
 pub(crate) fn reopen<L: Level>(
-    walk: &mut Walk,
+    (walk, crew): (&mut Walk, &impl Crew),
     opening: &mut Opening<L>,
     reopening: &Reopening<'_, L>,
     labels: &mut [u32],
@@ -169,24 +169,29 @@ pub(crate) fn reopen<L: Level>(
     let &Reopening { field, typical, noise, excess, least_area, connectivity } = reopening;
     let (new, least) = (L::Weight::of(NEW), L::of(excess * noise.least.to_f32()));
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(noise.photon, field.at(at));
-    walk.pass(labels.len(), 1, |part| {
-        let mut next = part.start;
-        while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
-            next = at + 1;
-            let label = label_at(labels, at);
-            let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
-            // Hosts have no light below 0.
-            if field.at(at) > least
-                && let Some(mirrored) = field.mirrored(region.centre, at)
-                && field.at(at) > mirrored.scaled(new)
-                && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
-                && field.at(at) > host.scaled(new)
-                && significant(at, host)
-                && let Some(cell) = labels.get_mut(at)
-            {
-                *cell |= OPEN;
+    let width = field.grid.width.get();
+    walk.pass(field.grid.height, width, |rows| {
+        let band = (width * crew.rows(field.grid)).max(1);
+        let bands = (rows.start * width..).step_by(band).zip(rows_of_mut(labels, &rows, width).chunks_mut(band));
+        let known = &*regions;
+        crew.each(bands, |(first, labels): (usize, _)| {
+            let mut next = 0;
+            while let Some(index) = next_with(labels, next, u32::MAX) {
+                next = index + 1;
+                let (Some(label), at) = (labels.get_mut(index), first + index) else { continue };
+                // Hosts have no light below 0.
+                if field.at(at) > least
+                    && let Some(region) = region_of(known, *label).filter(|region| region.plateau <= 0.0)
+                    && let Some(mirrored) = field.mirrored(region.centre, at)
+                    && field.at(at) > mirrored.scaled(new)
+                    && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
+                    && field.at(at) > host.scaled(new)
+                    && significant(at, host)
+                {
+                    *label |= OPEN;
+                }
             }
-        }
+        });
     })?;
     walk.once(1, || opening.next = 0)?;
     let mark = walk.mark();
@@ -590,6 +595,7 @@ fn straighter([below, own, above]: [[u32; 3]; 3]) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::arithmetic::Fixed14;
+    use crate::plane::crew::Alone;
 
     extern crate std;
     use std::vec::Vec;
@@ -618,7 +624,7 @@ mod tests {
             connectivity: Connectivity::Eight,
         };
         let mut opening = Opening { count: Count { regions: 1, left_out: 0 }, ..Opening::NOTHING };
-        let _ = reopen(&mut Walk::whole(), &mut opening, &reopening, &mut labels, &mut queue, &mut regions);
+        let _ = reopen((&mut Walk::whole(), &Alone), &mut opening, &reopening, &mut labels, &mut queue, &mut regions);
         opening.count.regions - 1
     }
 

@@ -367,13 +367,17 @@ pub(crate) fn compete<L: Level>(
         walk.pass(if contest.is_settled { 0 } else { count }, 1, |part| {
             let Contest { has_changed, .. } = contest;
             let mut piece = |labels: &mut [u32], cells: Range<usize>| {
-                if crew.wide(Piece { labels, grid: field.grid, first: cells.start, length: cells.len() }) {
-                    return;
-                }
-                for index in cells.clone() {
-                    let at = if sweep % 2 == 0 { index } else { cells.end - 1 - (index - cells.start) };
-                    if label_at(labels, at) != 0 {
-                        *has_changed |= changes_owner(field, labels, regions, at);
+                let (first, length) = (cells.start, cells.len());
+                let mut open = crew.wide(Piece { labels, grid: field.grid, first, length });
+                while open != 0 {
+                    // The next one in the direction of the sweep; where it changes, the one behind it may have to.
+                    let at = if sweep % 2 == 0 { open.trailing_zeros() } else { open.ilog2() };
+                    let bit = 1u32 << at;
+                    let behind = if sweep % 2 == 0 { bit << 1 } else { bit >> 1 };
+                    open &= !bit;
+                    if changes_owner(field, labels, regions, first + at as usize) {
+                        *has_changed = true;
+                        open |= behind & ((1 << length) - 1);
                     }
                 }
             };
@@ -399,7 +403,7 @@ pub(crate) fn compete<L: Level>(
 /// Gives a pixel to the source that owns it; whether that is another than before.
 fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], at: usize) -> bool {
     let own = label_at(labels, at);
-    if is_alone(labels, field.grid, at) {
+    if own == 0 || is_alone(labels, field.grid, at) {
         return false;
     }
     let mut best = own;
@@ -423,8 +427,8 @@ fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[R
     }
 }
 
-/// A piece of the plane, as the question whether no source's pixel of it touches another along an edge; where the plane
-/// ends it may not be told.
+/// A piece of the plane, as the question which of its pixels may be a source's that touches another along an edge: a bit
+/// for each, the lowest for the first. Where the plane ends it is not told.
 struct Piece<'a> {
     labels: &'a [u32],
     grid: Grid,
@@ -433,30 +437,31 @@ struct Piece<'a> {
 }
 
 impl Task for Piece<'_> {
-    type Output = bool;
+    type Output = u32;
 
     #[inline(always)]
-    fn run(self) -> bool {
+    fn run(self) -> u32 {
         let Piece { labels, grid, first, length } = self;
+        let unknown = (1 << length) - 1;
         if length < PIECE {
-            return false;
+            return unknown;
         }
         let piece = |first: Option<usize>| labels.get(first?..)?.first_chunk::<PIECE>();
-        let Some(own) = piece(Some(first)) else { return false };
-        if own.iter().fold(0, |any, label| any | label) == 0 {
-            return true;
-        }
+        let Some(own) = piece(Some(first)) else { return unknown };
         let width = grid.width.get();
         let (left, right) = (piece(first.checked_sub(1)), piece(Some(first + 1)));
         let (below, above) = (piece(first.checked_sub(width)), piece(Some(first + width)));
-        let (Some(left), Some(right), Some(below), Some(above)) = (left, right, below, above) else { return false };
-        let mut any = false;
+        let (Some(left), Some(right), Some(below), Some(above)) = (left, right, below, above) else { return unknown };
+        let mut open = [0; PIECE];
         for near in [left, right, below, above] {
-            for (&own, &near) in own.iter().zip(near) {
-                any |= (own != 0) & (near != 0) & (near != own);
+            for ((open, &own), &near) in open.iter_mut().zip(own).zip(near) {
+                *open |= u32::from((own != 0) & (near != 0) & (near != own));
             }
         }
-        !any
+        if open.iter().fold(0, |any, open| any | open) == 0 {
+            return 0;
+        }
+        (0..).zip(open).fold(0, |bits, (bit, open)| bits | open << bit)
     }
 }
 

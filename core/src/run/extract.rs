@@ -251,7 +251,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             }
             Stage::Photon => {
                 let (field, keys) = (Field { values: &*work.signal, grid }, Keys(work.parents, work.order));
-                photon::step(walk, (known, curve), field, work.fine, Mask(work.masked), keys)
+                photon::step(walk, (known, curve), field, work.fine, Mask(work.masked), (work.labels, keys))
             }
             Stage::Outline => {
                 let front = Front {

@@ -183,12 +183,17 @@ fn part_of(items: &[u32], range: Range<usize>) -> &[u32] {
 
 /// Sorts a few items by insertion; `precedes` says whether one comes before another.
 pub fn few<T: Copy>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
-    for end in 1..items.len() {
-        for at in (0..end).rev() {
-            match items.get_mut(at..at + 2) {
-                Some([left, right]) if precedes(*right, *left) => core::mem::swap(left, right),
-                _ => break,
-            }
+    for end in 2..=items.len() {
+        settle(items.get_mut(..end).unwrap_or(&mut []), &precedes);
+    }
+}
+
+/// Moves the last of items, of which the others are sorted, to its place.
+pub fn settle<T: Copy>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
+    for at in (1..items.len()).rev() {
+        match items.get_mut(at - 1..=at) {
+            Some([left, right]) if precedes(*right, *left) => core::mem::swap(left, right),
+            _ => break,
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::plane::walk::Walk;
 use crate::sources::centre::{centre_on_light, shape};
 use crate::sources::deblend::{Contest, Opening, Reopening, compete, reopen, straighten};
 use crate::sources::pieces::{Joining, connect, relabel};
-use crate::sources::tree::{Count, Noise, Region, grow, region_at, root_of};
+use crate::sources::tree::{Count, Noise, Region, Share, grow, grow_by, region_at, root_of};
 use crate::sources::typical::Typical;
 use core::ops::Range;
 
@@ -97,10 +97,14 @@ pub(crate) fn tree<L: Level>(
     walk.pass(grid.height, width, |rows| mark_inside::<L>(has_signal, rows, width, work.labels))?;
     by_brightness((walk, crew), growing, field, work.labels, work.order, work.parents)?;
     let order = work.order.get(..growing.listed).unwrap_or(&[]);
-    walk.pass(order.len(), 2, |part| {
-        let setting = (config, photon);
-        grow(&mut growing.count, field, (order, part), work.parents, work.labels, work.regions, setting);
-    })?;
+    let mut share = Share { first: 0, order, parents: work.parents, regions: work.regions };
+    let (count, setting) = (&mut growing.count, (config, photon));
+    if walk.is_open() && crew.hands() > 1 {
+        let components = growing.components;
+        walk.once(order.len(), || grow_by(crew, count, field, &mut share, components, work.labels, setting))?;
+    } else {
+        walk.pass(order.len(), 2, |part| grow(count, field, &mut share, part, work.labels, setting))?;
+    }
     walk.pass(growing.count.regions, 2, |part| {
         for region in work.regions.get_mut(part).unwrap_or(&mut []) {
             region.centre = field.centre(region.peak as usize);
@@ -400,7 +404,7 @@ pub(crate) fn deblend<L: Level>(
     let (field, light) = (Field { values: work.fine, grid }, Field { values: work.smooth, grid });
     let regions = work.regions.get_mut(..opening.count.regions).unwrap_or(&mut []);
     centre_on_light((walk, crew), [field, light], work.labels, regions, noise)?;
-    Typical::find(walk, is_typical, whole, field, noise.least, regions, (work.parents, work.order))?;
+    Typical::find((walk, crew), is_typical, whole, field, noise.least, regions, (work.parents, work.order))?;
     if whole.is_some_and(Whole::is_waiting) {
         return Some(());
     }
@@ -489,8 +493,9 @@ mod tests {
         let (mut parents, mut ranks) = (std::vec![0; order.len()], std::vec![0; light.len()]);
         (1..).zip(order).for_each(|(rank, &at)| ranks[at as usize] = rank);
         let mut regions = std::vec![Region::<f32>::BLANK; light.len() / 3];
-        let (mut count, all) = (Count::default(), (order, 0..order.len()));
-        grow(&mut count, field, all, &mut parents, &ranks, &mut regions, (&Config::NOISE_AWARE, 0.0));
+        let mut share = Share { first: 0, order, parents: &mut parents, regions: &mut regions };
+        let (mut count, setting) = (Count::default(), (&Config::NOISE_AWARE, 0.0));
+        grow(&mut count, field, &mut share, 0..order.len(), &ranks, setting);
         let large = regions[..count.regions].iter().filter(|region| region.area >= LEAST_AREA);
         let mut large: Vec<(u32, u32)> = large.map(|region| (region.peak, region.area)).collect();
         large.sort_unstable();
@@ -558,9 +563,9 @@ mod tests {
                 };
                 while list(&mut walk).is_none() {}
                 order.truncate(growing.listed);
-                order
+                (order, spare, labels, growing.components)
             };
-            let by_component = list(1, usize::MAX);
+            let (by_component, ends, ranks, components) = list(1, usize::MAX);
             let mut over_all = by_component.clone();
             over_all.sort_by_key(|&at| (!light[at as usize].key(), at));
             assert_ne!(over_all, by_component, "there are several components");
@@ -568,7 +573,24 @@ mod tests {
             assert!(regions.len() > 100, "{} regions above {threshold}", regions.len());
             assert_eq!(regions, grown(&light, &over_all), "above {threshold}");
             for (hands, cells) in [(2, usize::MAX), (3, usize::MAX), (50, usize::MAX), (1, 100), (1, 1 << 14)] {
-                assert_eq!(list(hands, cells), by_component, "{hands} hands, parts of {cells}, above {threshold}");
+                assert_eq!(list(hands, cells).0, by_component, "{hands} hands, parts of {cells}, above {threshold}");
+            }
+            let grow = |hands: usize, room: usize| {
+                let (mut parents, mut regions) = (ends.clone(), std::vec![Region::<f32>::BLANK; room]);
+                let (mut count, setting) = (Count::default(), (&Config::NOISE_AWARE, 0.0));
+                let mut share = Share { first: 0, order: &by_component, parents: &mut parents, regions: &mut regions };
+                grow_by(&Hands(hands), &mut count, field, &mut share, components, &ranks, setting);
+                parents.truncate(by_component.len());
+                regions.truncate(count.regions);
+                (count, parents, regions)
+            };
+            let alone = grow(1, light.len());
+            let room = alone.0.regions;
+            assert!(components > 3 && room > components && alone.0.left_out == 0);
+            for hands in [2, 3, 50] {
+                assert!(grow(hands, light.len()) == alone, "{hands} hands above {threshold}");
+                // Too few for one of them, and for all.
+                assert!(grow(hands, room) == alone && grow(hands, room - 1) == grow(1, room - 1));
             }
         }
     }

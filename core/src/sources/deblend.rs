@@ -8,7 +8,7 @@ use crate::config::Connectivity;
 use crate::plane::crew::Crew;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
-use crate::plane::rows::{last_with, next_with, rows_of_mut};
+use crate::plane::rows::{last_with, next_with, rows_of_mut, sweep, whole_piece};
 use crate::plane::walk::Walk;
 use crate::sky::photon::grown;
 use crate::sources::tree::{Count, Noise, Region};
@@ -359,29 +359,23 @@ pub(crate) fn compete<L: Level>(
     sweeps: u32,
 ) -> Option<()> {
     let count = labels.len();
-    for sweep in 0..sweeps {
+    for sweep_number in 0..sweeps {
         walk.once(1, || {
-            contest.is_settled = sweep > 0 && !contest.has_changed;
+            contest.is_settled = sweep_number > 0 && !contest.has_changed;
             contest.has_changed = false;
         })?;
         walk.pass(if contest.is_settled { 0 } else { count }, 1, |part| {
-            let Contest { has_changed, .. } = contest;
+            let (Contest { has_changed, .. }, forwards) = (&mut *contest, sweep_number % 2 == 0);
             let mut piece = |labels: &mut [u32], cells: Range<usize>| {
                 let (first, length) = (cells.start, cells.len());
-                let mut open = crew.wide(Piece { labels, grid: field.grid, first, length });
-                while open != 0 {
-                    // The next one in the direction of the sweep; where it changes, the one behind it may have to.
-                    let at = if sweep % 2 == 0 { open.trailing_zeros() } else { open.ilog2() };
-                    let bit = 1u32 << at;
-                    let behind = if sweep % 2 == 0 { bit << 1 } else { bit >> 1 };
-                    open &= !bit;
-                    if changes_owner(field, labels, regions, first + at as usize) {
-                        *has_changed = true;
-                        open |= behind & ((1 << length) - 1);
-                    }
-                }
+                let open = crew.wide(Piece { labels, grid: field.grid, first, length });
+                sweep(open, length, forwards, |at| {
+                    let changes = changes_owner(field, labels, regions, first + at);
+                    *has_changed |= changes;
+                    changes
+                });
             };
-            if sweep % 2 == 0 {
+            if forwards {
                 let mut next = part.start;
                 while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
                     next = part.end.min(at + PIECE);
@@ -442,7 +436,7 @@ impl Task for Piece<'_> {
     #[inline(always)]
     fn run(self) -> u32 {
         let Piece { labels, grid, first, length } = self;
-        let unknown = (1 << length) - 1;
+        let unknown = whole_piece(length);
         if length < PIECE {
             return unknown;
         }

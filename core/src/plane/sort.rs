@@ -14,6 +14,8 @@ const WIDE: u32 = 11;
 const WIDES: usize = 1 << WIDE;
 /// Wide digits of a key.
 const DIGITS: usize = 3;
+/// Room for the counts of wide digits, behind that for the items.
+pub(crate) const WIDE_ROOM: usize = DIGITS * WIDES;
 /// So many items are worth the counts of wide digits.
 const MANY: usize = 1 << 10;
 
@@ -311,11 +313,11 @@ mod tests {
 
     #[test]
     fn digits_that_all_keys_share_change_no_order() {
-        let mut spare = [7; MANY + DIGITS * WIDES];
+        let mut spare = [7; MANY + WIDE_ROOM];
         for shared in [0, 0xFF, 0xFF00, 0xFF_0000, 0xFF00_FF00, 0x00FF_FFFF, 0x003F_F800, u32::MAX] {
             let key = |item: u32| item.wrapping_mul(0x9E37_79B1) & !shared;
             // By bytes, with too little room for wide digits, and by these.
-            for (count, room) in [(300, 300), (MANY, MANY + DIGITS * WIDES - 1), (MANY, MANY + DIGITS * WIDES)] {
+            for (count, room) in [(300, 300), (MANY, MANY + WIDE_ROOM - 1), (MANY, MANY + WIDE_ROOM)] {
                 let mut items = core::array::from_fn::<u32, MANY, _>(|i| i as u32);
                 let mut expected = items;
                 by_key(&mut items[..count], &mut spare[..room], key);

@@ -245,7 +245,9 @@ fn groups<'a>(
     hands: usize,
 ) -> impl Iterator<Item = Group<'a>> + Send {
     let (listed, hands) = (order.len(), hands.max(1));
-    let (share, more, mut first) = (listed.div_ceil(hands), spare.len().saturating_sub(listed) / hands, 0);
+    // What is not needed is not touched.
+    let more = (spare.len().saturating_sub(listed) / hands).min(sort::WIDE_ROOM);
+    let (share, mut first) = (listed.div_ceil(hands), 0);
     core::iter::from_fn(move || {
         if order.is_empty() {
             return None;

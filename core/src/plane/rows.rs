@@ -45,6 +45,28 @@ pub fn next_with(plane: &[u32], from: usize, bits: u32) -> Option<usize> {
     rest.get(blank..)?.iter().position(has).map(|at| from + blank + at)
 }
 
+/// Works on those of the `length` cells of a piece that are `open`, a bit for each, the lowest for the first: forwards or
+/// backwards. Where `work` says that one has changed, the one behind it is open too.
+#[inline(always)]
+pub(crate) fn sweep(open: u32, length: usize, forwards: bool, mut work: impl FnMut(usize) -> bool) {
+    let (mut open, all) = (open, whole_piece(length));
+    while open != 0 {
+        let at = if forwards { open.trailing_zeros() } else { open.ilog2() };
+        let bit = 1u32 << at;
+        open &= !bit;
+        if work(at as usize) {
+            open |= if forwards { bit << 1 } else { bit >> 1 };
+            open &= all;
+        }
+    }
+}
+
+/// A bit for each of so many cells, fewer than 32.
+#[inline(always)]
+pub(crate) fn whole_piece(length: usize) -> u32 {
+    (1 << (length % 32)) - 1
+}
+
 /// The last cell before `end` that has one of the `bits`.
 pub fn last_with(plane: &[u32], end: usize, bits: u32) -> Option<usize> {
     let rest = plane.get(..end)?;

@@ -12,36 +12,38 @@ use core::ops::Range;
 const WIDE: u32 = 11;
 /// Values of a wide digit.
 const WIDES: usize = 1 << WIDE;
+/// Wide digits of a key.
+const DIGITS: usize = 3;
+/// Room for the counts of wide digits, behind that for the items.
+pub(crate) const WIDE_ROOM: usize = DIGITS * WIDES;
 /// So many items are worth the counts of wide digits.
 const MANY: usize = 1 << 10;
 
-/// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements, and where it has 2048
-/// more many items are sorted by wider digits than bytes.
-/// Cost: a look at each item and its key, and two for each digit of the distance from the least key to the greatest.
+/// Sorts `items`, fewer than 2^32, by `key`, the least first; `spare` needs as many elements, and where it has 6144
+/// more many items are sorted by fewer digits, wider than bytes.
+/// Cost: two looks at each item and its key, and one for each digit of the distance from the least key to the greatest.
 pub fn by_key(items: &mut [u32], spare: &mut [u32], key: impl Fn(u32) -> u32) {
     let wider = |(least, greatest): (u32, u32), &item: &u32| (key(item).min(least), key(item).max(greatest));
     let (least, greatest) = items.iter().fold((u32::MAX, 0), wider);
     let range = greatest.saturating_sub(least);
     let key = |item: u32| key(item).wrapping_sub(least);
     let (spare, rest) = spare.split_at_mut_checked(items.len()).unwrap_or_default();
-    match rest.first_chunk_mut::<WIDES>() {
-        Some(places) if items.len() >= MANY => by_digits(items, spare, places, range, key),
-        _ => by_digits(items, spare, &mut [0; BYTES], range, key),
+    match rest.as_chunks_mut::<WIDES>().0.first_chunk_mut::<DIGITS>() {
+        Some(places) if items.len() >= MANY => by_wide_digits(items, spare, places, range, key),
+        _ => by_bytes(items, spare, range, key),
     }
 }
 
-/// Sorts by the digits of keys up to `range`, the lowest first; each has as many values as there are `places`.
-fn by_digits<const VALUES: usize>(
-    items: &mut [u32],
-    spare: &mut [u32],
-    places: &mut [u32; VALUES],
-    range: u32,
-    key: impl Fn(u32) -> u32,
-) {
+/// Sorts by the bytes of keys up to `range`, the lowest first.
+fn by_bytes(items: &mut [u32], spare: &mut [u32], range: u32, key: impl Fn(u32) -> u32) {
     let (mut from, mut to, mut is_elsewhere) = (items, spare, false);
-    let shifts = (0..u32::BITS).step_by((VALUES.trailing_zeros() as usize).max(1));
-    for shift in shifts.take_while(|shift| range >> shift > 0) {
-        by_digit(from, to, places, |item| (key(item) >> shift) as usize & (VALUES - 1));
+    let mut places = [0; BYTES];
+    for shift in (0..u32::BITS).step_by(8).take_while(|shift| range >> shift > 0) {
+        let byte = |item: u32| usize::from((key(item) >> shift) as u8);
+        places.fill(0);
+        count_digits(from, &mut places, byte);
+        begin_at(&mut places);
+        lay(from, to, &mut places, byte);
         core::mem::swap(&mut from, &mut to);
         is_elsewhere = !is_elsewhere;
     }
@@ -50,18 +52,58 @@ fn by_digits<const VALUES: usize>(
     }
 }
 
-/// Sorts by a digit.
-#[inline(always)]
-fn by_digit<const VALUES: usize>(
-    from: &[u32],
-    to: &mut [u32],
-    places: &mut [u32; VALUES],
-    digit: impl Fn(u32) -> usize + Copy,
+/// Sorts by the wide digits of keys up to `range`, which are counted together.
+fn by_wide_digits(
+    items: &mut [u32],
+    spare: &mut [u32],
+    places: &mut [[u32; WIDES]; DIGITS],
+    range: u32,
+    key: impl Fn(u32) -> u32,
 ) {
-    places.fill(0);
-    count_digits(from, places, digit);
-    begin_at(places);
-    lay(from, to, places, digit);
+    let shifts = [0, WIDE, 2 * WIDE].into_iter().take_while(|shift| range >> shift > 0);
+    for (shift, places) in [0, WIDE, 2 * WIDE].into_iter().zip(places.iter_mut()) {
+        values_of(places, range, shift).fill(0);
+    }
+    match shifts.clone().count() {
+        0 | 1 => count_each::<1>(items, places, &key),
+        2 => count_each::<2>(items, places, &key),
+        _ => count_each::<3>(items, places, &key),
+    }
+    let (mut from, mut to, mut is_elsewhere) = (items, spare, false);
+    for (shift, places) in shifts.zip(places) {
+        begin_at(values_of(places, range, shift));
+        lay(from, to, places, |item| wide_digit(key(item), shift));
+        core::mem::swap(&mut from, &mut to);
+        is_elsewhere = !is_elsewhere;
+    }
+    if is_elsewhere {
+        to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = *from);
+    }
+}
+
+#[inline(always)]
+fn wide_digit(key: u32, shift: u32) -> usize {
+    (key >> shift) as usize & (WIDES - 1)
+}
+
+/// The values that a digit of keys up to `range` can have.
+fn values_of(places: &mut [u32; WIDES], range: u32, shift: u32) -> &mut [u32] {
+    let last = (range >> shift) as usize;
+    places.get_mut(..=last.min(WIDES - 1)).unwrap_or(&mut [])
+}
+
+/// Counts the items that have each value of the first digits.
+// A function of its own: what it is lent cannot be the same memory.
+#[inline(never)]
+fn count_each<const COUNT: usize>(items: &[u32], places: &mut [[u32; WIDES]; DIGITS], key: impl Fn(u32) -> u32) {
+    for &item in items {
+        let key = key(item);
+        for (shift, places) in [0, WIDE, 2 * WIDE].into_iter().zip(places.iter_mut()).take(COUNT) {
+            if let Some(count) = places.get_mut(wide_digit(key, shift)) {
+                *count = count.wrapping_add(1);
+            }
+        }
+    }
 }
 
 /// The same in parts, by bytes; at once where all may be done now.
@@ -143,12 +185,17 @@ fn part_of(items: &[u32], range: Range<usize>) -> &[u32] {
 
 /// Sorts a few items by insertion; `precedes` says whether one comes before another.
 pub fn few<T: Copy>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
-    for end in 1..items.len() {
-        for at in (0..end).rev() {
-            match items.get_mut(at..at + 2) {
-                Some([left, right]) if precedes(*right, *left) => core::mem::swap(left, right),
-                _ => break,
-            }
+    for end in 2..=items.len() {
+        settle(items.get_mut(..end).unwrap_or(&mut []), &precedes);
+    }
+}
+
+/// Moves the last of items, of which the others are sorted, to its place.
+pub fn settle<T: Copy>(items: &mut [T], precedes: impl Fn(T, T) -> bool) {
+    for at in (1..items.len()).rev() {
+        match items.get_mut(at - 1..=at) {
+            Some([left, right]) if precedes(*right, *left) => core::mem::swap(left, right),
+            _ => break,
         }
     }
 }
@@ -266,11 +313,11 @@ mod tests {
 
     #[test]
     fn digits_that_all_keys_share_change_no_order() {
-        let mut spare = [7; MANY + WIDES];
+        let mut spare = [7; MANY + WIDE_ROOM];
         for shared in [0, 0xFF, 0xFF00, 0xFF_0000, 0xFF00_FF00, 0x00FF_FFFF, 0x003F_F800, u32::MAX] {
             let key = |item: u32| item.wrapping_mul(0x9E37_79B1) & !shared;
             // By bytes, with too little room for wide digits, and by these.
-            for (count, room) in [(300, 300), (MANY, MANY + WIDES - 1), (MANY, MANY + WIDES)] {
+            for (count, room) in [(300, 300), (MANY, MANY + WIDE_ROOM - 1), (MANY, MANY + WIDE_ROOM)] {
                 let mut items = core::array::from_fn::<u32, MANY, _>(|i| i as u32);
                 let mut expected = items;
                 by_key(&mut items[..count], &mut spare[..room], key);

@@ -251,7 +251,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             }
             Stage::Photon => {
                 let (field, keys) = (Field { values: &*work.signal, grid }, Keys(work.parents, work.order));
-                photon::step(walk, (known, curve), field, work.fine, Mask(work.masked), keys)
+                photon::step(walk, (known, curve), field, work.fine, Mask(work.masked), (work.labels, keys))
             }
             Stage::Outline => {
                 let front = Front {
@@ -300,7 +300,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
         let State { walk, cutting, kept, .. } = state;
         let mut planes = work.selection(regions);
         match config.select {
-            Select::Area => selection::measure(walk, &mut planes)?,
+            Select::Area => selection::measure((walk, crew), &mut planes)?,
             Select::Significance => selection::cut((walk, crew), cutting, view, config, &mut planes)?,
         }
         selection::keep(walk, kept, (config, cutting.cut), planes.labels, planes.regions)

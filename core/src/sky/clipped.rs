@@ -1,6 +1,7 @@
 //! The sky of one cell: a clipped estimate of level and noise from its sorted values.
 
 use super::{Sky, Values};
+use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::sort::{median, ranked};
 
@@ -37,45 +38,62 @@ const ROUNDS: u32 = 10;
 /// off below, it is the mean, which is what smoothing makes of such pixels. The noise is at least that of the step, `step / sqrt(12)`, and what the numbers resolve. Cost: about
 /// eight looks at each value.
 pub fn clipped(sorted: &[u32], values: &Values) -> Sky {
-    if sorted.len() < LEAST_PIXELS {
-        return Sky::UNKNOWN;
+    Clipped { sorted, values }.run()
+}
+
+/// The same as a row loop.
+pub(crate) struct Clipped<'a> {
+    pub sorted: &'a [u32],
+    pub values: &'a Values,
+}
+
+impl Task for Clipped<'_> {
+    type Output = Sky;
+
+    #[inline(always)]
+    fn run(self) -> Sky {
+        let Clipped { sorted, values } = self;
+        if sorted.len() < LEAST_PIXELS {
+            return Sky::UNKNOWN;
+        }
+        let step = clump_step(sorted, values.step);
+        let piled = runs_below(sorted) * PILE_SHARE >= sorted.len();
+        let least = values.resolution.greatest(step * UNIFORM);
+        let coarse = |noise: f32| piled || noise < COARSE * step;
+        let reach = if piled { CLIP_PILED } else { CLIP };
+        let (mut kept, mut centre) = (sorted, quantile(sorted, 2, step));
+        let mut noise = start(sorted, centre, step, piled).greatest(least);
+        let (mut mean, mut middle, mut moments) = (centre, centre, None);
+        for _ in 0..ROUNDS {
+            let [below, inside, above] = within(kept, centre, (reach * noise).greatest(CLIP_STEPS * step));
+            if inside.len() < LEAST_PIXELS / 2 {
+                break;
+            }
+            let over = inside.len() == kept.len();
+            match &mut moments {
+                None => moments = Some(Moments::of(inside)),
+                Some(moments) => [below, above].into_iter().for_each(|clipped| moments.without(clipped)),
+            }
+            let (new_mean, deviation) = moments.as_ref().map_or((mean, 0.0), Moments::mean_and_deviation);
+            (kept, mean, middle) = (inside, new_mean, quantile(inside, 2, step));
+            noise = (deviation * CLIPPED_AWAY).greatest(least);
+            centre = if coarse(noise) { mean } else { middle };
+            if over {
+                break;
+            }
+        }
+        let is_skew = (mean - middle).magnitude() >= 0.3 * noise;
+        let level = match (coarse(noise), is_skew || noise < FAIRLY_COARSE * step) {
+            (true, _) => mean,
+            (false, true) => middle,
+            (false, false) => 2.5 * middle - 1.5 * mean,
+        };
+        Sky { level, noise }
     }
-    let step = clump_step(sorted, values.step);
-    let piled = runs_below(sorted) * PILE_SHARE >= sorted.len();
-    let least = values.resolution.greatest(step * UNIFORM);
-    let coarse = |noise: f32| piled || noise < COARSE * step;
-    let reach = if piled { CLIP_PILED } else { CLIP };
-    let (mut kept, mut centre) = (sorted, quantile(sorted, 2, step));
-    let mut noise = start(sorted, centre, step, piled).greatest(least);
-    let (mut mean, mut middle, mut moments) = (centre, centre, None);
-    for _ in 0..ROUNDS {
-        let [below, inside, above] = within(kept, centre, (reach * noise).greatest(CLIP_STEPS * step));
-        if inside.len() < LEAST_PIXELS / 2 {
-            break;
-        }
-        let over = inside.len() == kept.len();
-        match &mut moments {
-            None => moments = Some(Moments::of(inside)),
-            Some(moments) => [below, above].into_iter().for_each(|clipped| moments.without(clipped)),
-        }
-        let (new_mean, deviation) = moments.as_ref().map_or((mean, 0.0), Moments::mean_and_deviation);
-        (kept, mean, middle) = (inside, new_mean, quantile(inside, 2, step));
-        noise = (deviation * CLIPPED_AWAY).greatest(least);
-        centre = if coarse(noise) { mean } else { middle };
-        if over {
-            break;
-        }
-    }
-    let is_skew = (mean - middle).magnitude() >= 0.3 * noise;
-    let level = match (coarse(noise), is_skew || noise < FAIRLY_COARSE * step) {
-        (true, _) => mean,
-        (false, true) => middle,
-        (false, false) => 2.5 * middle - 1.5 * mean,
-    };
-    Sky { level, noise }
 }
 
 /// How many of sorted keys equal the first.
+#[inline(always)]
 fn runs_below(sorted: &[u32]) -> usize {
     sorted.iter().take_while(|&key| Some(key) == sorted.first()).count()
 }
@@ -83,6 +101,7 @@ fn runs_below(sorted: &[u32]) -> usize {
 /// The noise to begin with: half of the values lie within 0.6745 standard deviations, and the lower
 /// half knows little of sources. Where the sky is cut off below, the upper half may know more, or
 /// where that is cut off too, half of what is left.
+#[inline(always)]
 fn start(sorted: &[u32], centre: f32, step: f32, piled: bool) -> f32 {
     let lower = centre - quantile(sorted, 4, step);
     if !piled {
@@ -95,11 +114,13 @@ fn start(sorted: &[u32], centre: f32, step: f32, piled: bool) -> f32 {
 }
 
 /// The value below which one in `parts` of the sorted values lies.
+#[inline(always)]
 fn quantile(sorted: &[u32], parts: usize, step: f32) -> f32 {
     at_rank(sorted, sorted.len() / parts.max(1), step)
 }
 
 /// The value of a rank, the values of a clump being spread evenly over a step.
+#[inline(always)]
 fn at_rank(sorted: &[u32], rank: usize, step: f32) -> f32 {
     let Some(value) = sorted.get(rank).map(|&key| f32::of_key(key)) else { return 0.0 };
     let (low, high) = (value - step / 3.0, value + step / 3.0);
@@ -111,6 +132,7 @@ fn at_rank(sorted: &[u32], rank: usize, step: f32) -> f32 {
 
 /// The sorted keys from the first to the last of which the values are at most `distance` from `centre`, between those
 /// below and those above.
+#[inline(always)]
 fn within(sorted: &[u32], centre: f32, distance: f32) -> [&[u32]; 3] {
     let near = |&key: &u32| (f32::of_key(key) - centre).magnitude() <= distance;
     let first = sorted.iter().position(near).unwrap_or(sorted.len());
@@ -129,12 +151,14 @@ struct Moments {
 }
 
 impl Moments {
+    #[inline(always)]
     fn of(sorted: &[u32]) -> Moments {
         let middle = f64::from(median::<f32>(sorted));
         Moments { middle, count: sorted.len(), sums: sums(sorted, middle) }
     }
 
     /// Takes values away.
+    #[inline(always)]
     fn without(&mut self, clipped: &[u32]) {
         let [sum, squares] = sums(clipped, self.middle);
         self.count = self.count.saturating_sub(clipped.len());
@@ -143,6 +167,7 @@ impl Moments {
     }
 
     /// Mean and standard deviation.
+    #[inline(always)]
     fn mean_and_deviation(&self) -> (f32, f32) {
         let (count, [sum, squares]) = (self.count.max(1) as f64, self.sums);
         let variance = (squares - sum * sum / count) / count;
@@ -152,6 +177,7 @@ impl Moments {
 }
 
 /// The sums of the distances from `middle` and of their squares, in four lanes.
+#[inline(always)]
 fn sums(sorted: &[u32], middle: f64) -> [f64; 2] {
     const LANES: usize = 4;
     let (chunks, rest) = sorted.as_chunks::<LANES>();
@@ -176,6 +202,7 @@ const CLUMP_SHARE: usize = 50;
 /// The step around which the values clump, where it is wider than the least one of the frame: a
 /// flat field or a few pixels between the steps hide it there. It is the widest interval, tails
 /// left out, that few values bridge, if most values beyond the middle clump lie near a multiple of it.
+#[inline(always)]
 fn clump_step(sorted: &[u32], step: f32) -> f32 {
     let count = sorted.len();
     let inner = sorted.get(count / 100..count - count / 20).unwrap_or(&[]);

@@ -1,5 +1,6 @@
 //! The mesh of cells over a frame.
 
+use super::clipped::Clipped;
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
 use crate::plane::crew::{Alone, Crew};
@@ -211,7 +212,7 @@ impl<'m> Mesh<'m> {
                 let sides = sides(size, grid, row * grid.width.get() + column);
                 let count = keys_of_sky(frame, sides, &seen, keys);
                 if told.hears(column, &count) {
-                    *cell = clipped(keys.sort(count.sky), values);
+                    *cell = crew.wide(Clipped { sorted: keys.sort(count.sky), values });
                 }
             }
             told

@@ -27,16 +27,19 @@ pub(crate) struct Curve {
     sky: f32,
     /// The least slope so far; NaN for none.
     least: f32,
+    /// Pixels that are listed.
+    listed: usize,
 }
 
 impl Curve {
     /// Nothing is known.
-    pub const NOTHING: Curve = Curve { sky: 0.0, least: f32::NAN };
+    pub const NOTHING: Curve = Curve { sky: 0.0, least: f32::NAN, listed: 0 };
 
     /// The list of fields, out or in.
     pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
         codec.real(&mut self.sky)?;
-        codec.real(&mut self.least)
+        codec.real(&mut self.least)?;
+        codec.size(&mut self.listed)
     }
 
     /// The photon noise.
@@ -48,16 +51,16 @@ impl Curve {
 /// The photon noise `a` of a signal-to-noise image: a pixel of brightness v has the variance
 /// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
 /// where no level has enough pixels. `fine` is the signal lightly smoothed, the pixels near sources
-/// are `masked`. Cost: five looks at each pixel. While other parts of an image have yet to answer, it means nothing.
+/// are `masked`; `list` is scratch, as long as the plane. Cost: two looks at each pixel. While other parts of an image have yet to answer, it means nothing.
 pub(crate) fn step<L: Level>(
     walk: &mut Walk,
     (whole, curve): (Option<&dyn Whole>, &mut Curve),
     signal: Field<'_, L>,
     fine: &[L],
     masked: Mask<'_>,
-    mut keys: Keys<'_>,
+    (list, mut keys): (&mut [u32], Keys<'_>),
 ) -> Option<()> {
-    let mut scatter = |walk: &mut Walk, question: Question, from: f32, to: f32| {
+    let mut scatter = |walk: &mut Walk, list: &[u32], question: Question, from: f32, to: f32| {
         let sky = question == Question::PhotonSky;
         let (from, to) = (L::of(from), L::of(to));
         let wanted = |bright: L, at: usize| if sky { !masked.has(at) } else { bright >= from && bright < to };
@@ -67,8 +70,8 @@ pub(crate) fn step<L: Level>(
         };
         let sorted = match whole {
             None if !sky => {
-                let pieces = (fine.len().div_ceil(PIECE), PIECE);
-                Some(keys.gather(walk, pieces, |pieces| bright(fine, pieces, from, to).filter_map(value))?)
+                let some = |items: Range<usize>| list.get(items).unwrap_or(&[]).iter();
+                Some(keys.gather(walk, (list.len(), 1), |items| some(items).filter_map(|&at| value(at as usize)))?)
             }
             _ => {
                 let pixels = (fine.len(), signal.grid.width.get(), sky);
@@ -77,13 +80,23 @@ pub(crate) fn step<L: Level>(
         };
         Some(sorted.filter(|sorted| sorted.len() >= ENOUGH).map(|sorted| median::<L>(sorted).to_f32()))
     };
-    let sky = scatter(walk, Question::PhotonSky, 0.0, 0.0)?.filter(|&sky| sky > 0.0);
+    let sky = scatter(walk, &[], Question::PhotonSky, 0.0, 0.0)?.filter(|&sky| sky > 0.0);
     let waiting = whole.is_some_and(Whole::is_waiting);
     walk.once(1, || *curve = Curve { sky: sky.or(waiting.then_some(1.0)).unwrap_or(0.0), ..Curve::NOTHING })?;
     let levels = if curve.sky > 0.0 { LEVELS } else { 0 };
+    let pieces = if levels > 0 && whole.is_none() { fine.len().div_ceil(PIECE) } else { 0 };
+    walk.pass(pieces, PIECE, |pieces| {
+        for at in bright(fine, pieces) {
+            if let Some(place) = list.get_mut(curve.listed) {
+                *place = at as u32;
+                curve.listed += 1;
+            }
+        }
+    })?;
+    let list = list.get(..curve.listed).unwrap_or(&[]);
     let mut from = FAINTEST;
     for number in 0..levels {
-        let level = scatter(walk, Question::Photons(number), from, 2.0 * from)?;
+        let level = scatter(walk, list, Question::Photons(number), from, 2.0 * from)?;
         walk.once(1, || {
             if let Some(level) = level {
                 let ratio = level / curve.sky;
@@ -100,13 +113,14 @@ pub(crate) fn step<L: Level>(
 /// Pixels that are looked at together.
 const PIECE: usize = 16;
 
-/// The pixels of some pieces of a plane from the first to the last of each, where one has such a brightness.
-fn bright<L: Level>(fine: &[L], pieces: Range<usize>, from: L, to: L) -> impl Iterator<Item = usize> {
+/// The pixels of some pieces of a plane that are bright enough for a level.
+fn bright<L: Level>(fine: &[L], pieces: Range<usize>) -> impl Iterator<Item = usize> {
+    let from = L::of(FAINTEST);
     let (first, end) = (pieces.start * PIECE, fine.len().min(pieces.end * PIECE));
     let fine = fine.get(first..end).unwrap_or(&[]);
-    let any = move |piece: &[L]| piece.iter().fold(false, |any, &value| any | ((value >= from) & (value < to)));
+    let any = move |piece: &[L]| piece.iter().fold(false, |any, &value| any | (value >= from));
     let pieces = (first..).step_by(PIECE).zip(fine.chunks(PIECE)).filter(move |(_, piece)| any(piece));
-    pieces.flat_map(|(first, piece)| first..first + piece.len())
+    pieces.flat_map(|(first, piece)| (first..).zip(piece)).filter(move |(_, value)| **value >= from).map(|(at, _)| at)
 }
 
 /// The size of the difference along x of the difference along y; `None` at the frame's border.

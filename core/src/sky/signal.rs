@@ -8,7 +8,7 @@ use crate::plane::grid::Grid;
 use crate::plane::mask::{Mask, MaskMut};
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::raster::{Sample, mixed};
-use crate::plane::rows::{row_of, rows_of, rows_of_mut};
+use crate::plane::rows::{row_of, rows_of_mut, sweep, whole_piece};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
 use crate::plane::walk::Walk;
@@ -305,9 +305,12 @@ pub(crate) fn smooth<L: Level, P: Sample>(
     view.tail(walk, (&mut noise.details, questions), detail, masked, work.keys.again())?;
     let least = noise.details.noise.scaled(L::Weight::of(LEPSKI));
     walk.pass(grid.height, width, |rows| {
-        for (smooth, &fine) in rows_of_mut(work.smooth, &rows, width).iter_mut().zip(rows_of(fine, &rows, width)) {
-            *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
-        }
+        let bands = bands_of(&rows, width * crew.rows(grid), width, work.smooth);
+        crew.each(bands, |(first, smooth)| {
+            for (smooth, &fine) in smooth.iter_mut().zip(fine.get(first * width..).unwrap_or(&[])) {
+                *smooth = if (fine - *smooth).magnitude() >= least { fine } else { *smooth };
+            }
+        });
     })
 }
 
@@ -323,14 +326,16 @@ pub(crate) fn mask_sources<L: Level, P: Sample>(
     let (grid, width) = (view.grid, view.grid.width.get());
     let (source, perhaps) = (L::ONE, perhaps());
     walk.pass(grid.height, width, |rows| {
-        let smooth = rows_of(work.smooth, &rows, width);
-        for (fine, &smooth) in rows_of_mut(work.fine, &rows, width).iter_mut().zip(smooth) {
-            *fine = match (smooth > outline, *fine > peak) {
-                (true, true) => source,
-                (true, false) => perhaps,
-                _ => L::ZERO,
-            };
-        }
+        let (smooth, bands) = (&*work.smooth, bands_of(&rows, width * crew.rows(grid), width, work.fine));
+        crew.each(bands, |(first, fine)| {
+            for (fine, &smooth) in fine.iter_mut().zip(smooth.get(first * width..).unwrap_or(&[])) {
+                *fine = match (smooth > outline, *fine > peak) {
+                    (true, true) => source,
+                    (true, false) => perhaps,
+                    _ => L::ZERO,
+                };
+            }
+        });
     })?;
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
     let marks = &mut *work.fine;
@@ -340,17 +345,9 @@ pub(crate) fn mask_sources<L: Level, P: Sample>(
             for piece in part {
                 let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
                 let end = marks.len().min(first + MARKS);
-                let has = |piece: &[L], wanted: L| piece.iter().fold(false, |any, &mark| any | (mark == wanted));
-                let is_open = marks.get(first..end).is_some_and(|piece| has(piece, perhaps));
-                // With a pixel on every side; where the plane ends there may be a source.
-                let beside = |start: Option<usize>| marks.get(start?..)?.get(..MARKS + 2);
-                let rows = || [first.checked_sub(width + 1), first.checked_sub(1), (first + width).checked_sub(1)];
-                if is_open && rows().into_iter().any(|start| beside(start).is_none_or(|piece| has(piece, source))) {
-                    for index in first..end {
-                        let index = if backwards { end - 1 - (index - first) } else { index };
-                        mark_beside(marks, index, grid);
-                    }
-                }
+                let length = end - first;
+                let open = crew.wide(Marks { marks, grid, first, length });
+                sweep(open, length, !backwards, |at| mark_beside(marks, first + at, grid));
             }
         })?;
     }
@@ -374,15 +371,47 @@ fn perhaps<L: Level>() -> L {
     L::of(0.5)
 }
 
-/// Marks a pixel that may be a source's where it touches one.
-fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) {
+/// Marks of a piece, as the question which may be a source's and touch one: a bit for each, the lowest for the first. Where
+/// the plane ends it is not told.
+struct Marks<'a, L> {
+    marks: &'a [L],
+    grid: Grid,
+    first: usize,
+    length: usize,
+}
+
+impl<L: Level> Task for Marks<'_, L> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run(self) -> u32 {
+        let Marks { marks, grid, first, length } = self;
+        let (width, unknown) = (grid.width.get(), whole_piece(length));
+        let piece = |first: Option<usize>| marks.get(first?..)?.first_chunk::<MARKS>();
+        let Some(own) = piece(Some(first)).filter(|_| length == MARKS) else { return unknown };
+        if !own.iter().fold(false, |any, &mark| any | (mark == perhaps())) {
+            return 0;
+        }
+        let mut open = [0; MARKS];
+        for row in [first.checked_sub(width), Some(first), Some(first + width)] {
+            for beside in [row.and_then(|row| row.checked_sub(1)), row, row.map(|row| row + 1)] {
+                let Some(near) = piece(beside) else { return unknown };
+                open.iter_mut().zip(near).for_each(|(open, &near)| *open |= u32::from(near == L::ONE));
+            }
+        }
+        open.iter_mut().zip(own).for_each(|(open, &own)| *open &= u32::from(own == perhaps()));
+        (0..).zip(open).fold(0, |bits, (bit, open)| bits | open << bit)
+    }
+}
+
+/// Marks a pixel that may be a source's where it touches one; whether it did.
+fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) -> bool {
     let is = |at: usize, wanted: L| marks.get(at).is_some_and(|&mark| mark == wanted);
-    if is(index, perhaps())
-        && grid.neighbours(index).any(|at| is(at, L::ONE))
-        && let Some(mark) = marks.get_mut(index)
-    {
+    let touches = is(index, perhaps()) && grid.neighbours(index).any(|at| is(at, L::ONE));
+    if let Some(mark) = marks.get_mut(index).filter(|_| touches) {
         *mark = L::ONE;
     }
+    touches
 }
 
 /// Masks the pixels without a signal: they would count as quiet sky.

@@ -32,6 +32,9 @@ const SATURATED_FROM: usize = 1000;
 /// The part of the range of a frame that is taken for exact: single precision resolves a little more.
 const RESOLUTION: f32 = 1.0 / (1 << 20) as f32;
 
+/// Pixels that are looked at together.
+const PIECE: usize = 64;
+
 /// How the values of a frame came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Values {
@@ -209,30 +212,42 @@ impl Look {
         frame: &Raster<'_, P>,
         allowed: impl Fn(usize) -> bool,
     ) {
-        let (width, (mut least, mut greatest)) = (frame.width, self.span);
+        let (width, mut reach) = (frame.width, Reach { least: self.span.0, greatest: self.span.1 });
         let Look { values, .. } = self;
+        // A part sees the pixel that its neighbour has on the left.
+        let first = columns.start.saturating_sub(1);
         for y in rows {
-            // A part sees the pixel that its neighbour has on the left.
-            let (row, mut before) = (frame.row(y), None);
-            for (x, pixel) in row.iter().enumerate().take(columns.end).skip(columns.start.saturating_sub(1)) {
-                let pixel = pixel.value();
+            let pieces = frame.part(y, first..columns.end).chunks(PIECE);
+            let mut before = None;
+            for (x, pixels) in (first..).step_by(PIECE).zip(pieces) {
+                let mut piece = [0.0; PIECE];
+                piece.iter_mut().zip(pixels).for_each(|(value, pixel)| *value = pixel.value());
+                let places = y * width + x..;
+                let piece = piece.get(..pixels.len()).unwrap_or(&[]);
                 if P::CHANGES {
-                    values.checksum = values.checksum.wrapping_add(mixed((y * width + x) as u32, pixel));
+                    let sum = |sum: u32, (at, &pixel): (usize, &f32)| sum.wrapping_add(mixed(at as u32, pixel));
+                    values.checksum = places.clone().zip(piece).fold(values.checksum, sum);
                 }
-                let seen = pixel.is_finite() && allowed(y * width + x);
-                let defined = seen && values.holds(pixel);
-                if x >= columns.start {
-                    values.defined += u32::from(defined);
-                    values.filled += u32::from(seen && !defined);
-                    if let (Some(before), true) = (before, defined) {
-                        least = least.least(pixel.greatest(before));
-                        greatest = greatest.greatest(pixel.least(before));
+                let holds = |(at, &pixel): (usize, &f32)| values.holds(pixel) & allowed(at);
+                if places.clone().zip(piece).fold(true, |all, pixel| all & holds(pixel)) {
+                    values.defined += (piece.len() - usize::from(x < columns.start)) as u32;
+                    reach = reach.with(piece).after(before, piece.first().copied());
+                    before = piece.last().copied();
+                    continue;
+                }
+                for (x, (at, &pixel)) in (x..).zip(places.zip(piece)) {
+                    let seen = pixel.is_finite() && allowed(at);
+                    let defined = Some(pixel).filter(|&pixel| seen && values.holds(pixel));
+                    if x >= columns.start {
+                        values.defined += u32::from(defined.is_some());
+                        values.filled += u32::from(seen && defined.is_none());
+                        reach = reach.after(before, defined);
                     }
+                    before = defined;
                 }
-                before = defined.then_some(pixel);
             }
         }
-        self.span = (least, greatest);
+        self.span = (reach.least, reach.greatest);
     }
 
     /// What the counts of all parts tell; of one of them, where others have yet to answer.
@@ -261,6 +276,34 @@ impl Look {
             self.span = (least, greatest);
         }
         Some(())
+    }
+}
+
+/// What neighbours in a row reach together.
+#[derive(Clone, Copy)]
+struct Reach {
+    least: f32,
+    greatest: f32,
+}
+
+impl Reach {
+    /// With two neighbours, if both are defined.
+    fn after(self, before: Option<f32>, pixel: Option<f32>) -> Reach {
+        before.zip(pixel).map_or(self, |(before, pixel)| self.with(&[before, pixel]))
+    }
+
+    /// With the neighbours in a piece of a row.
+    fn with(self, row: &[f32]) -> Reach {
+        // Whole numbers with a sign, of which vector units find the least.
+        let rank = |value: f32| (value.key() ^ 1 << 31) as i32;
+        let ends = (rank(self.least), rank(self.greatest));
+        let pairs = row.iter().zip(row.get(1..).unwrap_or(&[]));
+        let (least, greatest) = pairs.fold(ends, |(least, greatest), (&before, &after)| {
+            let (before, after) = (rank(before), rank(after));
+            (least.min(before.max(after)), greatest.max(before.min(after)))
+        });
+        let value = |rank: i32| f32::of_key(rank as u32 ^ 1 << 31);
+        Reach { least: value(least), greatest: value(greatest) }
     }
 }
 

@@ -2,6 +2,7 @@
 //! which sources end in a plateau, as saturated stars do; and the shapes of sources.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::crew::Crew;
 use crate::plane::field::{Field, offset};
 use crate::plane::rows::used_in;
 use crate::plane::walk::Walk;
@@ -29,7 +30,7 @@ const SHARE: f32 = 0.125;
 /// `field` is the plane that was divided. `light` is not sharpened, because that overshoots at a rim;
 /// `noise` is its noise.
 pub(crate) fn centre_on_light<L: Level>(
-    walk: &mut Walk,
+    (walk, crew): (&mut Walk, &impl Crew),
     [field, light]: [Field<'_, L>; 2],
     labels: &[u32],
     regions: &mut [Region<L>],
@@ -41,13 +42,9 @@ pub(crate) fn centre_on_light<L: Level>(
         }
     })?;
     let half = L::Weight::of(0.5);
-    walk.pass(labels.len(), 1, |part| {
-        for (at, label) in used_in(labels, part) {
-            if let Some(region) = region_of(regions, label)
-                && field.at(at) > field.at(region.peak as usize).scaled(half)
-            {
-                add(field, region, at);
-            }
+    each_pixel((walk, crew), labels, regions, |region, at| {
+        if field.at(at) > field.at(region.peak as usize).scaled(half) {
+            add(field, region, at);
         }
     })?;
     walk.pass(regions.len(), 8, |part| {
@@ -59,15 +56,31 @@ pub(crate) fn centre_on_light<L: Level>(
             region.plateau = 0.0;
         }
     })?;
-    find_plateaus(walk, light, labels, regions, noise)
+    find_plateaus((walk, crew), light, labels, regions, noise)
 }
 
 fn some_of<L: Level>(regions: &mut [Region<L>], part: Range<usize>) -> &mut [Region<L>] {
     regions.get_mut(part).unwrap_or(&mut [])
 }
 
-fn region_of<L: Level>(regions: &mut [Region<L>], label: u32) -> Option<&mut Region<L>> {
-    regions.get_mut((label as usize).wrapping_sub(1))
+/// Takes every pixel of a region to it, in the order of the frame; each hand has a group of regions, and looks at all
+/// labels.
+pub(crate) fn each_pixel<L: Level>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    labels: &[u32],
+    regions: &mut [Region<L>],
+    take: impl Fn(&mut Region<L>, usize) + Sync,
+) -> Option<()> {
+    let size = regions.len().div_ceil(crew.hands().max(1)).max(1);
+    walk.pass(labels.len(), 1, |part| {
+        crew.each((1..).step_by(size).zip(regions.chunks_mut(size)), |(first, regions): (usize, _)| {
+            for (at, label) in used_in(labels, part.clone()) {
+                if let Some(region) = regions.get_mut((label as usize).wrapping_sub(first)) {
+                    take(region, at);
+                }
+            }
+        });
+    })
 }
 
 /// Adds a pixel to those above half the peak.
@@ -84,7 +97,7 @@ fn add<L: Level>(field: Field<'_, L>, region: &mut Region<L>, at: usize) {
 /// Measures the shape of every source: the second moments of its light around its centre. `field` is the plane that was
 /// divided; `area` does not outlast it.
 pub(crate) fn shape<L: Level>(
-    walk: &mut Walk,
+    (walk, crew): (&mut Walk, &impl Crew),
     field: Field<'_, L>,
     labels: &[u32],
     regions: &mut [Region<L>],
@@ -94,18 +107,14 @@ pub(crate) fn shape<L: Level>(
             (region.area, region.plateau, region.offsets) = (region.plateau as u32, 0.0, (0.0, 0.0));
         }
     })?;
-    walk.pass(labels.len(), 1, |part| {
-        for (at, label) in used_in(labels, part) {
-            if let Some(region) = region_of(regions, label) {
-                let (place, centre) = (field.place(at), region.centre);
-                let [x, y] = [place.0 - centre.0, place.1 - centre.1].map(L::to_f32);
-                // As a part of the peak's: however bright, the sums stay finite.
-                let light = field.at(at).positive().to_f32().ratio(field.at(region.peak as usize).to_f32());
-                region.plateau += light * (x * x + y * y);
-                region.offsets.0 += light * (x * x - y * y);
-                region.offsets.1 += light * (x * y);
-            }
-        }
+    each_pixel((walk, crew), labels, regions, |region, at| {
+        let (place, centre) = (field.place(at), region.centre);
+        let (x, y) = ((place.0 - centre.0).to_f32(), (place.1 - centre.1).to_f32());
+        // As a part of the peak's: however bright, the sums stay finite.
+        let light = field.at(at).positive().to_f32().ratio(field.at(region.peak as usize).to_f32());
+        region.plateau += light * (x * x + y * y);
+        region.offsets.0 += light * (x * x - y * y);
+        region.offsets.1 += light * (x * y);
     })?;
     walk.pass(regions.len(), 1, |part| {
         for region in some_of(regions, part) {
@@ -118,20 +127,16 @@ pub(crate) fn shape<L: Level>(
 
 /// Counts the pixels of plateaus; `area` is that above half the peak.
 fn find_plateaus<L: Level>(
-    walk: &mut Walk,
+    (walk, crew): (&mut Walk, &impl Crew),
     light: Field<'_, L>,
     labels: &[u32],
     regions: &mut [Region<L>],
     noise: Noise<L>,
 ) -> Option<()> {
     let level = L::Weight::of(LEVEL);
-    walk.pass(labels.len(), 1, |part| {
-        for (at, label) in used_in(labels, part) {
-            if let Some(region) = region_of(regions, label)
-                && light.at(at) > light.at(region.peak as usize).scaled(level)
-            {
-                region.plateau += 1.0;
-            }
+    each_pixel((walk, crew), labels, regions, |region, at| {
+        if light.at(at) > light.at(region.peak as usize).scaled(level) {
+            region.plateau += 1.0;
         }
     })?;
     walk.pass(regions.len(), 2, |part| {
@@ -164,6 +169,7 @@ fn middle<L: Level>(field: Field<'_, L>, region: &Region<L>) -> (L, L) {
 mod tests {
     use super::*;
     use crate::arithmetic::Fixed14;
+    use crate::plane::crew::Alone;
     use crate::plane::field::Ellipse;
     use crate::plane::grid::Grid;
 
@@ -181,7 +187,7 @@ mod tests {
         let centre = (L::whole(24), L::whole(24));
         let mut regions = [Region { peak: 24 * 49 + 24, plateau: 7.0, centre, ..Region::BLANK }];
         let field = Field { values: &values, grid: Grid::of(values.len(), 49).expect("there are columns") };
-        let _ = shape(&mut Walk::whole(), field, &labels, &mut regions);
+        let _ = shape((&mut Walk::whole(), &Alone), field, &labels, &mut regions);
         let [region] = regions;
         assert_eq!(region.shape(), Ellipse::ROUND, "a saturated star is round");
         (region, Region { plateau: 0.0, ..region }.shape())
@@ -203,7 +209,7 @@ mod tests {
         let values = [-1.0; 25];
         let field = Field { values: &values, grid: Grid::of(25, 5).expect("there are columns") };
         let mut regions = [Region::<f32>::BLANK];
-        let _ = shape(&mut Walk::whole(), field, &[1; 25], &mut regions);
+        let _ = shape((&mut Walk::whole(), &Alone), field, &[1; 25], &mut regions);
         assert_eq!(regions.map(|region| region.shape()), [Ellipse::ROUND]);
     }
 
@@ -221,7 +227,7 @@ mod tests {
         let field = Field { values: &light, grid: Grid::of(light.len(), SIDE).expect("there are columns") };
         let mut regions = [Region { peak: PEAK as u32, value: 130.0, centre: (22.0, 20.0), ..Region::BLANK }];
         let noise = Noise { least: 1.0, photon: 0.0 };
-        let _ = centre_on_light(&mut Walk::whole(), [field, field], &[1; SIDE * SIDE], &mut regions, noise);
+        let _ = centre_on_light((&mut Walk::whole(), &Alone), [field, field], &[1; SIDE * SIDE], &mut regions, noise);
         let [region] = regions;
         region.centre
     }
@@ -241,7 +247,7 @@ mod tests {
         let field = Field { values: &light, grid: Grid::of(light.len(), SIDE).expect("there are columns") };
         let mut regions = [Region { value: 1000.0, ..Region::BLANK }];
         let noise = Noise { least: noise, photon: 0.0 };
-        let _ = centre_on_light(&mut Walk::whole(), [field, field], &[1; SIDE * SIDE], &mut regions, noise);
+        let _ = centre_on_light((&mut Walk::whole(), &Alone), [field, field], &[1; SIDE * SIDE], &mut regions, noise);
         let [region] = regions;
         region.plateau > 0.0
     }

@@ -8,7 +8,7 @@ use crate::config::Connectivity;
 use crate::plane::crew::Crew;
 use crate::plane::field::{Field, opposite};
 use crate::plane::grid::Grid;
-use crate::plane::rows::{last_with, next_with};
+use crate::plane::rows::{last_with, next_with, rows_of_mut, sweep, whole_piece};
 use crate::plane::walk::Walk;
 use crate::sky::photon::grown;
 use crate::sources::tree::{Count, Noise, Region};
@@ -159,7 +159,7 @@ impl<L: Level> Opening<L> {
 /// where two large galaxies meet there is the light of both. `queue` is as long as the plane;
 /// regions are added to those that are counted.
 pub(crate) fn reopen<L: Level>(
-    walk: &mut Walk,
+    (walk, crew): (&mut Walk, &impl Crew),
     opening: &mut Opening<L>,
     reopening: &Reopening<'_, L>,
     labels: &mut [u32],
@@ -169,24 +169,29 @@ pub(crate) fn reopen<L: Level>(
     let &Reopening { field, typical, noise, excess, least_area, connectivity } = reopening;
     let (new, least) = (L::Weight::of(NEW), L::of(excess * noise.least.to_f32()));
     let significant = |at: usize, host: L| field.at(at) - host > least * grown(noise.photon, field.at(at));
-    walk.pass(labels.len(), 1, |part| {
-        let mut next = part.start;
-        while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
-            next = at + 1;
-            let label = label_at(labels, at);
-            let Some(region) = region_of(regions, label).filter(|region| region.plateau <= 0.0) else { continue };
-            // Hosts have no light below 0.
-            if field.at(at) > least
-                && let Some(mirrored) = field.mirrored(region.centre, at)
-                && field.at(at) > mirrored.scaled(new)
-                && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
-                && field.at(at) > host.scaled(new)
-                && significant(at, host)
-                && let Some(cell) = labels.get_mut(at)
-            {
-                *cell |= OPEN;
+    let width = field.grid.width.get();
+    walk.pass(field.grid.height, width, |rows| {
+        let band = (width * crew.rows(field.grid)).max(1);
+        let bands = (rows.start * width..).step_by(band).zip(rows_of_mut(labels, &rows, width).chunks_mut(band));
+        let known = &*regions;
+        crew.each(bands, |(first, labels): (usize, _)| {
+            let mut next = 0;
+            while let Some(index) = next_with(labels, next, u32::MAX) {
+                next = index + 1;
+                let (Some(label), at) = (labels.get_mut(index), first + index) else { continue };
+                // Hosts have no light below 0.
+                if field.at(at) > least
+                    && let Some(region) = region_of(known, *label).filter(|region| region.plateau <= 0.0)
+                    && let Some(mirrored) = field.mirrored(region.centre, at)
+                    && field.at(at) > mirrored.scaled(new)
+                    && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
+                    && field.at(at) > host.scaled(new)
+                    && significant(at, host)
+                {
+                    *label |= OPEN;
+                }
             }
-        }
+        });
     })?;
     walk.once(1, || opening.next = 0)?;
     let mark = walk.mark();
@@ -354,25 +359,23 @@ pub(crate) fn compete<L: Level>(
     sweeps: u32,
 ) -> Option<()> {
     let count = labels.len();
-    for sweep in 0..sweeps {
+    for sweep_number in 0..sweeps {
         walk.once(1, || {
-            contest.is_settled = sweep > 0 && !contest.has_changed;
+            contest.is_settled = sweep_number > 0 && !contest.has_changed;
             contest.has_changed = false;
         })?;
         walk.pass(if contest.is_settled { 0 } else { count }, 1, |part| {
-            let Contest { has_changed, .. } = contest;
+            let (Contest { has_changed, .. }, forwards) = (&mut *contest, sweep_number % 2 == 0);
             let mut piece = |labels: &mut [u32], cells: Range<usize>| {
-                if crew.wide(Piece { labels, grid: field.grid, first: cells.start, length: cells.len() }) {
-                    return;
-                }
-                for index in cells.clone() {
-                    let at = if sweep % 2 == 0 { index } else { cells.end - 1 - (index - cells.start) };
-                    if label_at(labels, at) != 0 {
-                        *has_changed |= changes_owner(field, labels, regions, at);
-                    }
-                }
+                let (first, length) = (cells.start, cells.len());
+                let open = crew.wide(Piece { labels, grid: field.grid, first, length });
+                sweep(open, length, forwards, |at| {
+                    let changes = changes_owner(field, labels, regions, first + at);
+                    *has_changed |= changes;
+                    changes
+                });
             };
-            if sweep % 2 == 0 {
+            if forwards {
                 let mut next = part.start;
                 while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
                     next = part.end.min(at + PIECE);
@@ -394,7 +397,7 @@ pub(crate) fn compete<L: Level>(
 /// Gives a pixel to the source that owns it; whether that is another than before.
 fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], at: usize) -> bool {
     let own = label_at(labels, at);
-    if is_alone(labels, field.grid, at) {
+    if own == 0 || is_alone(labels, field.grid, at) {
         return false;
     }
     let mut best = own;
@@ -418,8 +421,8 @@ fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[R
     }
 }
 
-/// A piece of the plane, as the question whether no source's pixel of it touches another along an edge; where the plane
-/// ends it may not be told.
+/// A piece of the plane, as the question which of its pixels may be a source's that touches another along an edge: a bit
+/// for each, the lowest for the first. Where the plane ends it is not told.
 struct Piece<'a> {
     labels: &'a [u32],
     grid: Grid,
@@ -428,30 +431,31 @@ struct Piece<'a> {
 }
 
 impl Task for Piece<'_> {
-    type Output = bool;
+    type Output = u32;
 
     #[inline(always)]
-    fn run(self) -> bool {
+    fn run(self) -> u32 {
         let Piece { labels, grid, first, length } = self;
+        let unknown = whole_piece(length);
         if length < PIECE {
-            return false;
+            return unknown;
         }
         let piece = |first: Option<usize>| labels.get(first?..)?.first_chunk::<PIECE>();
-        let Some(own) = piece(Some(first)) else { return false };
-        if own.iter().fold(0, |any, label| any | label) == 0 {
-            return true;
-        }
+        let Some(own) = piece(Some(first)) else { return unknown };
         let width = grid.width.get();
         let (left, right) = (piece(first.checked_sub(1)), piece(Some(first + 1)));
         let (below, above) = (piece(first.checked_sub(width)), piece(Some(first + width)));
-        let (Some(left), Some(right), Some(below), Some(above)) = (left, right, below, above) else { return false };
-        let mut any = false;
+        let (Some(left), Some(right), Some(below), Some(above)) = (left, right, below, above) else { return unknown };
+        let mut open = [0; PIECE];
         for near in [left, right, below, above] {
-            for (&own, &near) in own.iter().zip(near) {
-                any |= (own != 0) & (near != 0) & (near != own);
+            for ((open, &own), &near) in open.iter_mut().zip(own).zip(near) {
+                *open |= u32::from((own != 0) & (near != 0) & (near != own));
             }
         }
-        !any
+        if open.iter().fold(0, |any, open| any | open) == 0 {
+            return 0;
+        }
+        (0..).zip(open).fold(0, |bits, (bit, open)| bits | open << bit)
     }
 }
 
@@ -590,6 +594,7 @@ fn straighter([below, own, above]: [[u32; 3]; 3]) -> Option<u32> {
 mod tests {
     use super::*;
     use crate::arithmetic::Fixed14;
+    use crate::plane::crew::Alone;
 
     extern crate std;
     use std::vec::Vec;
@@ -618,7 +623,7 @@ mod tests {
             connectivity: Connectivity::Eight,
         };
         let mut opening = Opening { count: Count { regions: 1, left_out: 0 }, ..Opening::NOTHING };
-        let _ = reopen(&mut Walk::whole(), &mut opening, &reopening, &mut labels, &mut queue, &mut regions);
+        let _ = reopen((&mut Walk::whole(), &Alone), &mut opening, &reopening, &mut labels, &mut queue, &mut regions);
         opening.count.regions - 1
     }
 

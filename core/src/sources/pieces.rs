@@ -7,9 +7,9 @@ use crate::arithmetic::Level;
 use crate::arithmetic::codec::Codec;
 use crate::config::Connectivity;
 use crate::plane::grid::Grid;
-use crate::plane::rows::used_in;
+use crate::plane::rows::{next_with, row_of, row_of_mut};
 use crate::plane::walk::Walk;
-use crate::sources::tree::Region;
+use crate::sources::tree::{ROOT, Region, root_of};
 
 /// A pixel of a piece that is not, or not yet, the one that stays.
 const LOOSE: u32 = 1 << 31;
@@ -31,20 +31,23 @@ pub(crate) struct Joining {
     next: usize,
     /// What the piece at hand was before.
     label: u32,
-    /// The pixels of a source.
-    pixels: u32,
+    /// Runs of the rows so far, and which of them is the first of the last row.
+    runs: usize,
+    first: usize,
     /// The source that a piece touches most so far, and how often.
     owner: (u32, u32),
 }
 
 impl Joining {
     /// Before the first pass.
-    pub const NOTHING: Joining = Joining { next: 0, label: 0, pixels: 0, owner: (0, 0) };
+    pub const NOTHING: Joining = Joining { next: 0, label: 0, runs: 0, first: 0, owner: (0, 0) };
 
     /// The list of fields, out or in.
     pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
-        codec.size(&mut self.next)?;
-        for word in [&mut self.label, &mut self.pixels, &mut self.owner.0, &mut self.owner.1] {
+        for size in [&mut self.next, &mut self.runs, &mut self.first] {
+            codec.size(size)?;
+        }
+        for word in [&mut self.label, &mut self.owner.0, &mut self.owner.1] {
             codec.word(word)?;
         }
         Ok(())
@@ -57,60 +60,53 @@ fn index(label: u32) -> usize {
 
 /// Leaves of every source one piece, connected also by corners: that with its peak, if the source still
 /// has it, unless another is [`PEAK`] times as large; else the largest, the first of equals. Gives the
-/// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` is
-/// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: four looks at each
-/// pixel and its neighbours.
+/// others to the source that they touch most, pixel by pixel; what touches none is given up. `queue` and `known` are
+/// as long as the plane; `area` and `peak` of the regions do not outlast it. Cost: two looks at each pixel, and four at
+/// those that a source loses and at their neighbours.
 pub(crate) fn connect<L: Level>(
     walk: &mut Walk,
     joining: &mut Joining,
     grid: Grid,
     labels: &mut [u32],
-    queue: &mut [u32],
+    (queue, known): (&mut [u32], &mut [u32]),
     regions: &mut [Region<L>],
 ) -> Option<()> {
-    let corners = (grid, Connectivity::Eight);
+    let width = grid.width.get();
     walk.pass(regions.len(), 1, |part| reset_areas(regions.get_mut(part)))?;
-    walk.pass(labels.len(), 1, |part| {
-        for (_, label) in used_in(labels, part) {
-            if let Some(region) = regions.get_mut(index(label)) {
-                region.area += 1;
+    walk.pass(grid.height, 2 * width, |rows| {
+        rows.for_each(|y| count_pieces(y, joining, grid, labels, (queue, known), regions));
+    })?;
+    // Of sources of more than one, that which is known to stay.
+    let starts = queue.get(..joining.runs).unwrap_or(&[]);
+    walk.pass(regions.len(), 2, |part| {
+        let labelled = (part.start as u32 + 1..).zip(regions.get_mut(part).unwrap_or(&mut []));
+        for (label, region) in labelled {
+            if region.area <= 1 {
+                region.area = if region.area == 1 { WHOLE } else { 0 };
+                continue;
+            }
+            let peak = region.peak;
+            (region.area, region.peak) = (0, 0);
+            if label_at(labels, peak as usize) == label {
+                let run = starts.partition_point(|&start| start <= peak).saturating_sub(1);
+                let first = root_of(known, run as u32);
+                (region.area, region.peak) = (area_of(known, first).saturating_mul(PEAK), first);
             }
         }
     })?;
-    walk.once(1, || joining.next = 0)?;
-    let mark = walk.mark();
-    while let Some(at) = walk.each(regions.len(), &mut joining.next)? {
-        let (label, peak) = (at as u32 + 1, regions.get(at).map_or(0, |region| region.peak as usize));
-        walk.once(1, || {
-            joining.label = label_at(labels, peak);
-            joining.pixels = regions.get(at).map_or(0, |region| region.area);
-            reset_areas(regions.get_mut(at..at + 1));
-        })?;
-        if joining.label == label {
-            let area = relabel(walk, corners, (peak, [label, label | LOOSE]), labels, queue)?;
-            let is_one = area as u32 == joining.pixels;
-            walk.once(1, || {
-                if let Some(region) = regions.get_mut(at) {
-                    region.area = if is_one { WHOLE } else { (area as u32).saturating_mul(PEAK) };
-                }
-            })?;
-            let area = if is_one { area } else { 0 };
-            walk.pass(area, 1, |part| set_all(labels, queue.get(part), label))?;
+    walk.pass(starts.len(), 1, |part| {
+        for (run, &start) in (0..).zip(starts).take(part.end).skip(part.start) {
+            let region = regions.get_mut(index(label_at(labels, start as usize)));
+            let area = area_of(known, run);
+            if let Some(region) = region.filter(|region| area > region.area) {
+                (region.area, region.peak) = (area, run);
+            }
         }
-        joining.next = at + 1;
-        walk.again(mark);
-    }
-    find_largest(walk, joining, grid, labels, queue, regions)?;
-    walk.once(1, || joining.next = 0)?;
-    let mark = walk.mark();
-    while let Some(at) = walk.each(regions.len(), &mut joining.next)? {
-        let (label, largest) = (at as u32 + 1, regions.get(at).filter(|region| ![0, WHOLE].contains(&region.area)));
-        if let Some(region) = largest {
-            relabel(walk, corners, (region.peak as usize, [label | LOOSE, label]), labels, queue)?;
-        }
-        joining.next = at + 1;
-        walk.again(mark);
-    }
+    })?;
+    walk.once(1, || joining.runs = 0)?;
+    walk.pass(grid.height, width, |rows| {
+        rows.for_each(|y| loosen(row_of_mut(labels, width, y), joining, known, regions));
+    })?;
     walk.pass(regions.len(), 1, |part| reset_areas(regions.get_mut(part)))?;
     for round in 1..=ROUNDS {
         give_away(walk, joining, (grid, round < ROUNDS), labels, queue, regions)?;
@@ -126,31 +122,90 @@ fn set_all(labels: &mut [u32], pixels: Option<&[u32]>, label: u32) {
     pixels.unwrap_or(&[]).iter().for_each(|&at| set(labels, at as usize, label));
 }
 
-/// Marks the pieces of sources of more than one as loose, and remembers of each source the largest.
-fn find_largest<L: Level>(
-    walk: &mut Walk,
+/// Counts pieces in `area`: in row `y` every run of a source begins one, and is joined to those in the row above that it
+/// touches, also by a corner. `starts` has the first pixels of the runs, `known` an earlier one of its piece, or of the
+/// first of a piece its area.
+fn count_pieces<L: Level>(
+    y: usize,
     joining: &mut Joining,
     grid: Grid,
-    labels: &mut [u32],
-    queue: &mut [u32],
+    labels: &[u32],
+    (starts, known): (&mut [u32], &mut [u32]),
     regions: &mut [Region<L>],
-) -> Option<()> {
-    walk.once(1, || joining.next = 0)?;
-    let mark = walk.mark();
-    loop {
-        let is_open = |&(_, label): &(usize, u32)| regions.get(index(label)).is_some_and(|region| region.area != WHOLE);
-        let find = |range| used_in(labels, range).find(is_open).map(|(at, _)| at);
-        let Some(first) = walk.seek(labels.len(), &mut joining.next, find)? else { return Some(()) };
-        walk.once(1, || joining.label = label_at(labels, first))?;
-        let label = joining.label;
-        let area = relabel(walk, (grid, Connectivity::Eight), (first, [label, label | LOOSE]), labels, queue)? as u32;
-        walk.once(1, || {
-            if let Some(region) = regions.get_mut(index(label)).filter(|region| area > region.area) {
-                (region.area, region.peak) = (area, first as u32);
+) {
+    let (width, end_above) = (grid.width.get(), joining.runs);
+    // A row has no more runs than columns.
+    let (left, mut above) = (y * width, joining.first.max(end_above.saturating_sub(width)));
+    for (x, end, label) in runs(row_of(labels, width, y)) {
+        let own = joining.runs;
+        joining.runs = joining.runs.saturating_add(1);
+        set(starts, own, (left + x) as u32);
+        set(known, own, ROOT | (end - x) as u32);
+        let mut pieces = 1;
+        // Of the row above: from the corner on the left to that on the right.
+        let corner = (left + x.saturating_sub(1)).wrapping_sub(width);
+        let begins_by =
+            |run: usize, at: usize| run < end_above && starts.get(run).is_some_and(|&start| start as usize <= at);
+        while begins_by(above + 1, corner) {
+            above += 1;
+        }
+        let corner_behind = (left + end).wrapping_sub(width);
+        for near in (above..).take(end - x + 2).take_while(|&near| begins_by(near, corner_behind)) {
+            let first = corner.max(label_at(starts, near) as usize);
+            if label_at(labels, first) == label && join(known, near, own) {
+                pieces -= 1;
             }
-        })?;
-        joining.next = first + 1;
-        walk.again(mark);
+        }
+        if let Some(region) = regions.get_mut(index(label)) {
+            region.area = region.area.wrapping_add_signed(pieces);
+        }
+    }
+    joining.first = end_above;
+}
+
+/// The runs of one label in a row: first column, end and label.
+fn runs(row: &[u32]) -> impl Iterator<Item = (usize, usize, u32)> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let first = next_with(row, next, u32::MAX)?;
+        let label = label_at(row, first);
+        let others = row.get(first..)?.iter().position(|&other| other != label);
+        next = others.map_or(row.len(), |length| first + length);
+        Some((first, next, label))
+    })
+}
+
+/// Makes the pieces of two runs one; whether they were two.
+fn join(known: &mut [u32], one: usize, other: usize) -> bool {
+    let (one, other) = (root_of(known, one as u32), root_of(known, other as u32));
+    if one == other {
+        return false;
+    }
+    let (first, later) = (one.min(other), one.max(other));
+    let area = area_of(known, one).saturating_add(area_of(known, other));
+    set(known, first as usize, ROOT | area);
+    set(known, later as usize, first);
+    true
+}
+
+/// The area of the piece that begins with a run; 0 where none does.
+fn area_of(known: &[u32], run: u32) -> u32 {
+    known.get(run as usize).filter(|&word| word & ROOT != 0).map_or(0, |word| word & !ROOT)
+}
+
+/// Marks the pixels of a row that are not of the piece that stays, of sources that have others.
+fn loosen<L: Level>(row: &mut [u32], joining: &mut Joining, known: &mut [u32], regions: &[Region<L>]) {
+    let mut next = 0;
+    loop {
+        let found = runs(row.get(next..).unwrap_or(&[])).next();
+        let Some((first, end, label)) = found else { break };
+        let run = joining.runs as u32;
+        joining.runs = joining.runs.saturating_add(1);
+        let region = regions.get(index(label)).filter(|region| region.area != WHOLE);
+        if region.is_some_and(|region| root_of(known, run) != region.peak) {
+            row.get_mut(next + first..next + end).unwrap_or(&mut []).fill(label | LOOSE);
+        }
+        next += end;
     }
 }
 
@@ -247,9 +302,8 @@ mod tests {
         let digits = picture.iter().flat_map(|row| row.bytes()).map(|digit| u32::from(digit - b'0'));
         labels.iter_mut().zip(digits).for_each(|(label, digit)| *label = digit);
         let grid = Grid::of(CELLS * WIDTH, WIDTH).expect("there are columns");
-        let labels_of_rows = &mut labels[..CELLS * WIDTH];
-        let _ =
-            connect(&mut Walk::whole(), &mut { Joining::NOTHING }, grid, labels_of_rows, &mut [0; 64], &mut regions);
+        let (labels_of_rows, room) = (&mut labels[..CELLS * WIDTH], (&mut [0; 64][..], &mut [0; 64][..]));
+        let _ = connect(&mut Walk::whole(), &mut { Joining::NOTHING }, grid, labels_of_rows, room, &mut regions);
         core::array::from_fn(|y| core::array::from_fn(|x| b'0' + labels[y * WIDTH + x] as u8))
     }
 
@@ -272,6 +326,31 @@ mod tests {
         becomes(picture, 22, ["22222001", "22222011", "22222110", "22222330"]);
         let picture = ["11222000", "11222000", "11122010", "11122010"];
         becomes(picture, 22, ["11222000", "11222000", "11122000", "11122000"]);
+    }
+
+    /// Pieces as they are found pixel by pixel.
+    #[test]
+    fn runs_that_touch_are_one_piece() {
+        const SIDES: (usize, usize) = (23, 31);
+        const CELLS: usize = SIDES.0 * SIDES.1;
+        let (mut state, grid) = (1u32, Grid::of(CELLS, SIDES.0).expect("there are columns"));
+        for percent in [10, 35, 45, 60, 90, 100] {
+            let mut labels: [u32; CELLS] = core::array::from_fn(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                if (state >> 8) % 100 < percent { 1 + (state >> 16) % 3 } else { 0 }
+            });
+            let (mut joining, mut starts, mut known) = (Joining::NOTHING, [0; CELLS], [0; CELLS]);
+            let (mut regions, mut pieces) = ([Region::<f32>::BLANK; 3], [0; 3]);
+            let mut count = |y| count_pieces(y, &mut joining, grid, &labels, (&mut starts, &mut known), &mut regions);
+            (0..SIDES.1).for_each(&mut count);
+            while let Some(first) = labels.iter().position(|&label| label != 0) {
+                let label = labels[first];
+                let corners = (grid, Connectivity::Eight);
+                let _ = relabel(&mut Walk::whole(), corners, (first, [label, 0]), &mut labels, &mut starts);
+                pieces[index(label)] += 1;
+            }
+            assert_eq!(regions.map(|region| region.area), pieces, "{percent} %");
+        }
     }
 
     #[test]

@@ -8,12 +8,13 @@ use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
 use crate::plane::raster::Sample;
-use crate::plane::rows::{next_with, rows_of, rows_of_mut, used_in};
+use crate::plane::rows::{next_with, rows_of, rows_of_mut};
 use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
 use crate::plane::walk::Walk;
 use crate::sky::tail::Tail;
 use crate::sky::view::{Known, View};
+use crate::sources::centre::each_pixel;
 use crate::sources::significance::height;
 use crate::sources::tree::Region;
 
@@ -172,8 +173,8 @@ pub(crate) fn cut<L: Level, P: Sample>(
     walk.pass(grid.height, 2 * width, |rows| {
         Weights::gauss(WIDE).sharpen_rows(rows, work.matched, work.rows, grid, SHARPENING, crew);
     })?;
-    measure(walk, work)?;
-    measure_peaks(walk, view, work)?;
+    measure((walk, crew), work)?;
+    measure_peaks((walk, crew), view, work)?;
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Matched, Question::MatchedPowers];
     view.tail(walk, (&mut cutting.matched, questions), matched, work.masked, work.keys.again())?;
@@ -240,20 +241,22 @@ fn measure_narrow<L: Level, P: Sample>(
 }
 
 /// The peak of every region in the narrow and in the matched image, of which those at the border count for less.
-fn measure_peaks<L: Level, P: Sample>(walk: &mut Walk, view: &View<'_, P>, work: &mut Planes<'_, L>) -> Option<()> {
+fn measure_peaks<L: Level, P: Sample>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    view: &View<'_, P>,
+    work: &mut Planes<'_, L>,
+) -> Option<()> {
     walk.pass(work.regions.len(), 1, |part| {
         work.regions.get_mut(part).unwrap_or(&mut []).iter_mut().for_each(|region| region.offsets = (0.0, 0.0));
     })?;
     let ((columns, rows), (left, bottom)) = (view.image(), view.origin());
     let weight = |at: usize, length: usize| AT_BORDER.get(at.min(length.saturating_sub(at + 1))).unwrap_or(&1.0);
-    walk.pass(work.labels.len(), 1, |part| {
-        for (at, label) in used_in(work.labels, part) {
-            let region = work.regions.get_mut((label as usize).wrapping_sub(1));
-            if let (Some(region), Some(narrow), Some(matched)) = (region, work.narrow.get(at), work.matched.get(at)) {
-                let ((x, y), peaks) = (view.grid.place(at), region.offsets);
-                let matched = matched.to_f32() * weight(left + x, columns) * weight(bottom + y, rows);
-                region.offsets = (peaks.0.greatest(narrow.to_f32()), peaks.1.greatest(matched));
-            }
+    let (narrow, matched) = (&*work.narrow, &*work.matched);
+    each_pixel((walk, crew), work.labels, work.regions, |region, at| {
+        if let (Some(narrow), Some(matched)) = (narrow.get(at), matched.get(at)) {
+            let ((x, y), peaks) = (view.grid.place(at), region.offsets);
+            let matched = matched.to_f32() * weight(left + x, columns) * weight(bottom + y, rows);
+            region.offsets = (peaks.0.greatest(narrow.to_f32()), peaks.1.greatest(matched));
         }
     })
 }
@@ -286,22 +289,19 @@ fn reaches<'w, L: Level>(
 }
 
 /// Area, light and matched peak of every region, from its pixels.
-pub(crate) fn measure<L: Level>(walk: &mut Walk, work: &mut Planes<'_, L>) -> Option<()> {
+pub(crate) fn measure<L: Level>((walk, crew): (&mut Walk, &impl Crew), work: &mut Planes<'_, L>) -> Option<()> {
     walk.pass(work.regions.len(), 1, |part| {
         for region in work.regions.get_mut(part).unwrap_or(&mut []) {
             (region.area, region.sum, region.value, region.label) = (0, L::NOTHING, L::ZERO, 0);
         }
     })?;
-    walk.pass(work.labels.len(), 1, |part| {
-        for (at, label) in used_in(work.labels, part) {
-            let (matched, signal) = (work.matched.get(at), work.signal.get(at));
-            let region = work.regions.get_mut((label as usize).wrapping_sub(1));
-            if let (Some(region), Some(&matched), Some(&signal)) = (region, matched, signal) {
-                region.area += 1;
-                region.sum = region.sum + signal.times(1);
-                if matched > region.value {
-                    region.value = matched;
-                }
+    let (matched, signal) = (&*work.matched, work.signal);
+    each_pixel((walk, crew), work.labels, work.regions, |region, at| {
+        if let (Some(&matched), Some(&signal)) = (matched.get(at), signal.get(at)) {
+            region.area += 1;
+            region.sum = region.sum + signal.times(1);
+            if matched > region.value {
+                region.value = matched;
             }
         }
     })

@@ -7,6 +7,7 @@
 use crate::arithmetic::codec::Codec;
 use crate::arithmetic::{Level, Real};
 use crate::config::{Config, Deblending};
+use crate::plane::crew::Crew;
 use crate::plane::field::{Ellipse, Field};
 use crate::plane::sort;
 use crate::sky::photon::grown;
@@ -137,20 +138,21 @@ impl Count {
 const MOST: usize = 5;
 
 /// In place of a parent: the rest is the index of the region whose first pixel this is.
-const ROOT: u32 = 1 << 31;
+pub(crate) const ROOT: u32 = 1 << 31;
 /// Parent of a pixel that is in no region.
 const NONE: u32 = u32::MAX;
 
-/// The first pixel of a pixel's region, both by rank; paths are halved on the way.
-pub fn root(parents: &mut [u32], mut rank: u32) -> u32 {
+/// The first pixel of a pixel's region, both by rank; paths are halved on the way. What is no earlier rank ends the
+/// path: the mark of a root, and whatever else a damaged word may hold.
+pub fn root_of(parents: &mut [u32], mut rank: u32) -> u32 {
     let parent = |parents: &[u32], rank: u32| parents.get(rank as usize).copied().unwrap_or(NONE);
     loop {
         let near = parent(parents, rank);
-        if near & ROOT != 0 {
+        if near >= rank {
             return rank;
         }
         let far = parent(parents, near);
-        if far & ROOT != 0 {
+        if far >= near {
             return near;
         }
         if let Some(cell) = parents.get_mut(rank as usize) {
@@ -161,41 +163,58 @@ pub fn root(parents: &mut [u32], mut rank: u32) -> u32 {
 }
 
 /// The index of the region whose first pixel has this rank; beyond all tables for a pixel that is in none.
+#[inline]
 pub fn region_at(parents: &[u32], root: u32) -> usize {
     parents.get(root as usize).map_or(usize::MAX, |parent| (parent & !ROOT) as usize)
 }
 
-/// Grows the regions of `order`, the pixels in use, of each component from the brightest down, by the pixels of some
-/// places there. `ranks` has 1 + the
-/// place there of each of these pixels and 0 elsewhere, `parents` is as long as `order`; `photon` is the
-/// photon noise. Counts the
-/// regions, and peaks for which none was free: they stay out.
+/// Some components, of which the regions grow by themselves.
+pub(crate) struct Share<'a, L: Level> {
+    /// Pixels in the list before these.
+    pub first: usize,
+    /// Their pixels, of each component from the brightest down.
+    pub order: &'a [u32],
+    /// As many: each pixel's parent, by its place here.
+    pub parents: &'a mut [u32],
+    /// Their regions.
+    pub regions: &'a mut [Region<L>],
+}
+
+/// Grows the regions of a share by the pixels of some places there. `ranks` has 1 + the place in the whole list of each
+/// pixel in use and 0 elsewhere; `photon` is the photon noise. Counts the regions, and peaks for which none was free:
+/// they stay out.
 pub(crate) fn grow<L: Level>(
     counted: &mut Count,
     field: Field<'_, L>,
-    (order, part): (&[u32], Range<usize>),
-    parents: &mut [u32],
+    share: &mut Share<'_, L>,
+    part: Range<usize>,
     ranks: &[u32],
-    regions: &mut [Region<L>],
     (config, photon): (&Config, f32),
 ) {
     let Count { regions: mut count, mut left_out } = *counted;
-    let rank_of = |at: usize| ranks.get(at).and_then(|rank| rank.checked_sub(1));
-    for (rank, &pixel) in (0..).zip(order).take(part.end).skip(part.start) {
+    let Share { first, order, parents, regions } = share;
+    let listed = |at: usize| ranks.get(at).and_then(|rank| rank.checked_sub(1));
+    // In the share; nothing for what lies before.
+    let before = *first as u32;
+    let rank_of = |at: usize| listed(at)?.checked_sub(before);
+    for (rank, &pixel) in (0..).zip(*order).take(part.end).skip(part.start) {
         let at = pixel as usize;
         let value = field.at(at);
-        let (mut roots, mut found, mut nearest) = ([NONE; 8], 0, None::<(L, u32)>);
+        let (mut roots, mut found, mut nearest, mut root) = ([NONE; 8], 0, None::<(L, u32)>, NONE);
         for near in field.grid.touching(at, config.connectivity.neighbours()) {
             let Some(known) = rank_of(near).filter(|&near| near < rank && !is_out(parents, near)) else { continue };
-            let root = root(parents, known);
+            // Most neighbours are of one region, and some know its root.
+            if known != root && parents.get(known as usize) != Some(&root) {
+                root = root_of(parents, known);
+                if !roots.contains(&root)
+                    && let Some(free) = roots.get_mut(found)
+                {
+                    *free = root;
+                    found += 1;
+                }
+            }
             if nearest.is_none_or(|(value, _)| field.at(near) > value) {
                 nearest = Some((field.at(near), root));
-            }
-            if !roots.contains(&root)
-                && let Some(free) = roots.get_mut(found)
-            {
-                *free = root;
-                found += 1;
             }
         }
         let Some(own) = parents.get_mut(rank as usize) else { break };
@@ -222,9 +241,10 @@ pub(crate) fn grow<L: Level>(
             // What is brighter is in the tree, or will be: the components are gone through one after another.
             let key = |at: usize| (!field.at(at).key(), at);
             let foreign = |near: usize| match rank_of(near) {
-                Some(known) if known < rank && !is_out(parents, known) => root(parents, known) != host,
+                Some(known) if known < rank && !is_out(parents, known) => root_of(parents, known) != host,
                 Some(_) => key(near) < key(at),
-                None => false,
+                // What lies before the share is in a region of another.
+                None => listed(near).is_some(),
             };
             if stands_apart((&config.deblending, photon), field, [&bright, &faint], value, foreign) {
                 for (id, other) in [(host_id, faint.peak), (other_id, bright.peak)] {
@@ -262,7 +282,79 @@ pub(crate) fn grow<L: Level>(
     *counted = Count { regions: count, left_out };
 }
 
+/// The most hands among which components are shared.
+const MOST_HANDS: usize = 16;
+
+/// The same of all that is listed, by a crew; `ends` has where in the list each component ends, without the last.
+pub(crate) fn grow_by<L: Level>(
+    crew: &impl Crew,
+    counted: &mut Count,
+    field: Field<'_, L>,
+    all: &mut Share<'_, L>,
+    components: usize,
+    ranks: &[u32],
+    setting: (&Config, f32),
+) {
+    let (listed, room, hands) = (all.order.len(), all.regions.len() as u64, crew.hands().clamp(1, MOST_HANDS));
+    // From which place in the list, and from which region on, each hand works: the last one's end is that of all.
+    let mut bounds = [(listed, all.regions.len()); MOST_HANDS + 1];
+    let ends = all.parents.get(..components.saturating_sub(1)).unwrap_or(&[]);
+    for (hand, bound) in bounds.iter_mut().enumerate().take(hands) {
+        let least = listed * hand / hands;
+        let end = ends.get(ends.partition_point(|&end| (end as usize) < least)).map_or(listed, |&end| end as usize);
+        let first = if hand == 0 { 0 } else { end };
+        *bound = (first, (room * first as u64 / listed.max(1) as u64) as usize);
+    }
+    let mut counts = [Count::default(); MOST_HANDS];
+    crew.each(shares(all, &bounds).zip(&mut counts), |(mut share, count)| {
+        let part = 0..share.order.len();
+        grow(count, field, &mut share, part, ranks, setting);
+    });
+    if counts.iter().any(|count| count.left_out > 0) {
+        // One alone has room for as many as there is.
+        return grow(counted, field, all, 0..listed, ranks, setting);
+    }
+    for ((bound, end), count) in bounds.iter().zip(bounds.iter().skip(1)).zip(&counts) {
+        gather(all, bound.0..end.0, bound.1, counted.regions, count.regions);
+        counted.regions += count.regions;
+    }
+}
+
+/// The shares of the hands.
+fn shares<'a, L: Level>(
+    all: &'a mut Share<'_, L>,
+    bounds: &'a [(usize, usize); MOST_HANDS + 1],
+) -> impl Iterator<Item = Share<'a, L>> + Send {
+    let (mut order, mut parents, mut regions) = (all.order, &mut *all.parents, &mut *all.regions);
+    bounds.iter().zip(bounds.iter().skip(1)).map_while(move |(bound, end)| {
+        let (pixels, room) = (end.0.saturating_sub(bound.0), end.1.saturating_sub(bound.1));
+        let (own_order, order_rest) = order.split_at_checked(pixels)?;
+        let (own_parents, parents_rest) = core::mem::take(&mut parents).split_at_mut_checked(pixels)?;
+        let (own_regions, regions_rest) = core::mem::take(&mut regions).split_at_mut_checked(room)?;
+        (order, parents, regions) = (order_rest, parents_rest, regions_rest);
+        Some(Share { first: bound.0, order: own_order, parents: own_parents, regions: own_regions })
+    })
+}
+
+/// Moves the regions of a share from a place in the table to another, and lets its pixels know them there.
+fn gather<L: Level>(all: &mut Share<'_, L>, share: Range<usize>, from: usize, to: usize, count: usize) {
+    if share.start == 0 {
+        return;
+    }
+    for index in 0..count {
+        let region = all.regions.get(from + index).copied();
+        if let (Some(region), Some(place)) = (region, all.regions.get_mut(to + index)) {
+            *place = region;
+        }
+    }
+    let (first, to) = (share.start as u32, to as u32);
+    for parent in all.parents.get_mut(share).unwrap_or(&mut []).iter_mut().filter(|parent| **parent != NONE) {
+        *parent = parent.wrapping_add(if *parent & ROOT != 0 { to } else { first });
+    }
+}
+
 /// Whether a pixel that was met is in no region.
+#[inline]
 fn is_out(parents: &[u32], rank: u32) -> bool {
     parents.get(rank as usize).is_none_or(|&parent| parent == NONE)
 }

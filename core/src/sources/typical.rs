@@ -6,6 +6,7 @@
 //! neighbours nor wide sources have a share.
 
 use crate::arithmetic::{Level, Real};
+use crate::plane::crew::Crew;
 use crate::plane::field::Field;
 use crate::plane::part::{Question, Whole};
 use crate::plane::sort;
@@ -48,7 +49,7 @@ impl<'m> Typical<'m> {
     /// Looks at the sources of a frame, and tells whether there is a typical one. `cells` and `spare` are as long as the
     /// plane; where that is too short there is none. Cost: 154 thousand samples.
     pub(crate) fn find<L: Level>(
-        walk: &mut Walk,
+        (walk, crew): (&mut Walk, &impl Crew),
         is_known: &mut bool,
         whole: Option<&dyn Whole>,
         field: Field<'_, L>,
@@ -104,16 +105,20 @@ impl<'m> Typical<'m> {
         }
         walk.once(1, || *is_known = count >= LEAST && cells.len() >= SIDE * SIDE)?;
         walk.pass(if *is_known { SIDE * SIDE } else { 0 }, MOST, |part| {
-            for (at, cell) in cells.iter_mut().enumerate().take(part.end).skip(part.start) {
-                let told = |record: &[u32]| record.get(RECORD_HEAD + at).map(|&bits| f32::from_bits(bits));
-                let value = match records {
-                    None => quartile(chosen.iter().filter_map(|&id| light(id, at))),
-                    Some(records) => {
-                        quartile(records.chunks_exact(RECORD).filter_map(told).filter(|light| !light.is_nan()))
-                    }
-                };
-                *cell = value.to_bits();
-            }
+            let first = part.start;
+            let pieces = cells.get_mut(part).unwrap_or(&mut []).chunks_mut(SIDE);
+            crew.each((first..).step_by(SIDE).zip(pieces), |(first, cells): (usize, _)| {
+                for (at, cell) in (first..).zip(cells) {
+                    let told = |record: &[u32]| record.get(RECORD_HEAD + at).map(|&bits| f32::from_bits(bits));
+                    let value = match records {
+                        None => quartile(chosen.iter().filter_map(|&id| light(id, at))),
+                        Some(records) => {
+                            quartile(records.chunks_exact(RECORD).filter_map(told).filter(|light| !light.is_nan()))
+                        }
+                    };
+                    *cell = value.to_bits();
+                }
+            });
         })
     }
 
@@ -132,20 +137,22 @@ impl<'m> Typical<'m> {
 
 /// The lower quartile of at most [`MOST`] values; 0 of none.
 fn quartile(values: impl Iterator<Item = f32>) -> f32 {
-    let (mut sorted, mut count) = ([0.0; MOST], 0);
-    for (place, value) in sorted.iter_mut().zip(values) {
-        *place = value;
+    let (mut least, mut count) = ([f32::INFINITY; MOST / 4 + 1], 0);
+    for value in values.take(MOST) {
         count += 1;
+        if let Some(last) = least.last_mut().filter(|last| value < **last) {
+            *last = value;
+            sort::settle(&mut least, |a, b| a < b);
+        }
     }
-    let sorted = sorted.get_mut(..count).unwrap_or(&mut []);
-    sort::few(sorted, |a, b| a < b);
-    sorted.get(count / 4).copied().unwrap_or(0.0)
+    least.get(count / 4).copied().filter(|_| count > 0).unwrap_or(0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::arithmetic::Fixed14;
+    use crate::plane::crew::Alone;
     use crate::plane::grid::Grid;
 
     extern crate std;
@@ -179,7 +186,8 @@ mod tests {
         spare: &mut [u32],
     ) -> Typical<'m> {
         let mut is_known = false;
-        let _ = Typical::find(&mut Walk::whole(), &mut is_known, None, field, L::ONE, regions, (cells, spare));
+        let _ =
+            Typical::find((&mut Walk::whole(), &Alone), &mut is_known, None, field, L::ONE, regions, (cells, spare));
         Typical::over(cells, is_known)
     }
 

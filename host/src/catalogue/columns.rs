@@ -4,6 +4,7 @@ use super::names::known;
 use crate::measure::{Flux, Measured};
 use crate::sky::Frame;
 use skyfront_core::sources::flags::{self, FLAGS};
+use std::fmt::Write;
 
 /// A column: its name, unit and meaning, and how a source fills it.
 pub struct Column {
@@ -343,6 +344,14 @@ impl Column {
             Value::Real(value, digits) => significant(value(source), *digits),
         }
     }
+
+    /// The number that the text tells; NaN where there is none.
+    pub fn number(&self, source: &Measured) -> f64 {
+        match &self.value {
+            Value::Integer(value) => value(source) as f64,
+            Value::Real(value, digits) => rounded(value(source), *digits),
+        }
+    }
 }
 
 /// A number with so many significant digits, without trailing zeros; empty if it is not finite.
@@ -351,20 +360,40 @@ fn significant(value: f64, digits: usize) -> String {
         return String::new();
     }
     // Of up to 15 digits these are the fewest that tell the number: no shorter ones need be looked for.
-    let text = format!("{value:.*e}", digits - 1);
+    let text = scientific(value, digits);
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };
     let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
     let Ok(exponent @ -5..15) = exponent.parse::<i32>() else { return format!("{mantissa}e{exponent}") };
     let (sign, digits) = mantissa.strip_prefix('-').map_or(("", mantissa), |digits| ("-", digits));
     let (first, rest) = digits.split_once('.').unwrap_or((digits, ""));
     let point = exponent.unsigned_abs() as usize;
-    if exponent < 0 {
-        format!("{sign}0.{}{first}{rest}", "0".repeat(point - 1))
+    let zeros = |count: usize| ZEROS.get(..count).unwrap_or(ZEROS);
+    // The longest has a sign, a point and as many zeros as digits.
+    let mut out = String::with_capacity(digits.len() + ZEROS.len());
+    let parts = if exponent < 0 {
+        [sign, "0.", zeros(point - 1), first, rest]
     } else if let Some((whole, part)) = rest.split_at_checked(point).filter(|(_, part)| !part.is_empty()) {
-        format!("{sign}{first}{whole}.{part}")
+        [sign, first, whole, ".", part]
     } else {
-        format!("{sign}{first}{rest}{}", "0".repeat(point - rest.len()))
-    }
+        [sign, first, rest, zeros(point - rest.len()), ""]
+    };
+    parts.into_iter().for_each(|part| out.push_str(part));
+    out
+}
+
+/// The number that so many digits tell; NaN if it is not finite.
+fn rounded(value: f64, digits: usize) -> f64 {
+    if value.is_finite() { scientific(value, digits).parse().unwrap_or(f64::NAN) } else { f64::NAN }
+}
+
+/// As many as a plain number has in a row.
+const ZEROS: &str = "00000000000000";
+
+/// A number with so many digits, of which all but the first are behind the point, and its exponent.
+fn scientific(value: f64, digits: usize) -> String {
+    let mut text = String::with_capacity(digits + ZEROS.len());
+    let _ = write!(text, "{value:.*e}", digits - 1);
+    text
 }
 
 /// Whether a column is a magnitude.
@@ -384,6 +413,7 @@ mod tests {
         assert_eq!(significant(1.5e-19, 9), "1.5e-19");
         assert_eq!(significant(f64::NAN, 9), "");
         assert_eq!(significant(-0.0, 9), "-0");
+        assert!([f64::INFINITY, f64::NAN].map(|value| rounded(value, 9)).iter().all(|value| value.is_nan()));
         assert_eq!(significant(9.999_999_999e14, 9), "1e15");
     }
 
@@ -398,7 +428,9 @@ mod tests {
                     let near: f64 = format!("{value:.*e}", digits - 1).parse().expect("a number");
                     let plain = near == 0.0 || (1e-5..1e15).contains(&near.abs());
                     let expected = if plain { near.to_string() } else { format!("{near:e}") };
-                    assert_eq!(significant(value, digits), expected, "{value} in {digits} digits");
+                    let found = significant(value, digits);
+                    assert_eq!(found, expected, "{value} in {digits} digits");
+                    assert_eq!(Ok(rounded(value, digits)), found.parse());
                 }
             }
         }

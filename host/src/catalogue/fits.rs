@@ -18,10 +18,7 @@ pub fn write(catalogue: &Catalogue, entries: &[Entry], path: &Path) -> Result<()
         .iter()
         .map(|column| match &column.value {
             Value::Integer(value) => Cells::Integers(catalogue.rows.iter().map(value).collect()),
-            Value::Real(..) => {
-                let real = |row| column.text(row).parse().unwrap_or(f64::NAN);
-                Cells::Reals(catalogue.rows.iter().map(real).collect())
-            }
+            Value::Real(..) => Cells::Reals(catalogue.rows.iter().map(|row| column.number(row)).collect()),
         })
         .collect();
     let columns: Vec<Column<'_>> = catalogue

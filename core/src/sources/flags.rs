@@ -48,7 +48,7 @@ pub const FLAGS: [Flag; 11] = [
     flag(
         APERTURE,
         "aperture",
-        "an aperture reaches beyond the image or over undefined pixels, or Kron's is cut at 64 times the source's area",
+        "an aperture reaches beyond the image or over undefined pixels, or Kron's is cut short",
     ),
     flag(NEIGHBOUR, "neighbour", "the Kron or another aperture reaches into other sources"),
     flag(

@@ -155,8 +155,9 @@ impl<'a> Scene<'a> {
     /// The pixel on the other side of the centre.
     fn opposite(&self, spot: Spot) -> Option<usize> {
         let mirrored = |at: usize, from: f64, n: usize| {
-            let place = (at as f64 - 2.0 * from).round();
-            (place >= 0.0 && place < n as f64).then_some(place as usize)
+            let place = at as i64 as f64 - 2.0 * from;
+            // Rounded as it is made whole: a call for every pixel would take longer than all else.
+            (place > -0.5 && place < n as f64).then(|| (place + 0.5) as i64 as usize).filter(|&place| place < n)
         };
         Some(mirrored(spot.y, spot.dy, self.height)? * self.width + mirrored(spot.x, spot.dx, self.width)?)
     }

@@ -32,6 +32,18 @@ pub(super) fn length(x: f64, y: f64) -> f64 {
 }
 
 /// An ellipse, in pixels that count from 0.
+///
+/// ```
+/// use skyfront::measure::{Aperture, Extras, Level, Scene};
+///
+/// let (pixels, labels) = (vec![2.0; 400], vec![0; 400]);
+/// let [background, noise] = [0.0, 0.5].map(|level| Some(Level::Constant(level)));
+/// let extras = Extras { background, noise, ..Extras::default() };
+/// let scene = Scene::new(&pixels, &labels, 20, 20, &extras);
+/// let (flux, flags) = Aperture::circle(9.3, 10.1, 4.0).flux(&scene, 0);
+/// // The exact area of the circle counts, and nothing was in the way.
+/// assert!((flux.value - 2.0 * 50.265).abs() < 0.01 && flags == 0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aperture {
     /// Column of its centre.

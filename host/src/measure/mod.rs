@@ -89,6 +89,13 @@ impl Default for Wanted {
 }
 
 /// A flux with its error, in units of the image.
+///
+/// ```
+/// use skyfront::measure::Flux;
+///
+/// let (magnitude, error) = Flux { value: 100.0, error: 1.0 }.magnitude(25.0);
+/// assert!((magnitude - 20.0).abs() < 1e-9 && (error - 0.0109).abs() < 1e-4);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flux {
     /// Above the background.
@@ -112,6 +119,26 @@ impl Flux {
 }
 
 /// A source with all that was measured.
+///
+/// ```
+/// use skyfront::measure::{Extras, Scene, measure};
+/// use skyfront::pipeline::{Drive, segment};
+/// use skyfront::truth::simulated;
+/// use skyfront_core::config::Config;
+/// use skyfront_core::simulate::Kind;
+///
+/// let (image, _) = simulated(Kind::Bright, 5, 96, 96);
+/// let run = segment(&Config::NOISE_AWARE, &image.pixels, 96, 96, &mut Drive::default())?;
+/// let extras = Extras { apertures: vec![3.0], ..Extras::default() };
+/// let scene = Scene::new(&image.pixels, &run.labels, 96, 96, &extras);
+/// for source in measure(&scene, &run.sources, &extras, None) {
+///     let (flux, circle) = (source.kron, source.apertures[0]);
+///     println!("{:.2} {:.2}", source.shape.x, source.shape.y);
+///     println!("{:.4} +- {:.4}, in 3 pixels {:.4}", flux.value, flux.error, circle.value);
+/// }
+/// # assert!(!run.sources.is_empty());
+/// # Ok::<(), skyfront_core::error::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// What the core summed up.

@@ -3,6 +3,18 @@
 //! Only integer hashing and the four basic operations on `f32`, so that a microcontroller makes
 //! the very frame that the workstation makes. Stars are Moffat profiles with beta = 2, galaxies
 //! elliptical profiles of the same family with longer wings; noise is a sum of uniform numbers.
+//! [`Conditions`] are what a real telescope and camera make of such a sky.
+//!
+//! ```
+//! use skyfront_core::run::frame::Frame;
+//! use skyfront_core::simulate::{Conditions, Kind, Optics, Sky};
+//!
+//! let conditions = Conditions { optics: Optics::Coma, full_well: 500.0, ..Conditions::PERFECT };
+//! let mut sky = Sky::new(Kind::Stars, 1, 64, 64).under(conditions);
+//! let mut row = [0.0; 64];
+//! let Ok(()) = sky.row(20, &mut row);
+//! assert!(row.iter().all(|&pixel| pixel <= 500.0 * sky.sigma()));
+//! ```
 
 use crate::run::frame::Frame;
 use core::convert::Infallible;
@@ -18,10 +30,106 @@ pub enum Kind {
     Stars,
 }
 
+/// What optics make of a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Optics {
+    /// A round core with wings.
+    #[default]
+    Round,
+    /// A head with a tail that points away from the middle of the frame and grows with the distance from there: up to
+    /// four core radii half a frame away.
+    Coma,
+    /// A line twelve core radii long: the telescope moved.
+    Trail,
+    /// A ring of two and a half core radii: the focus is off.
+    Ring,
+}
+
+/// What a telescope and a camera make of a sky.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// The shape of a point.
+    pub optics: Optics,
+    /// Galaxies have up to three times as much light on one side as opposite, where nothing else changes their shape.
+    pub lopsided: bool,
+    /// How much brighter the sky is in the last column than in the first, in noise units.
+    pub gradient: f32,
+    /// No pixel is brighter, in noise units; what a star has beyond it bleeds along its column. Infinite for no bound.
+    pub full_well: f32,
+    /// The distance of two values, in noise units; 0 for as many as there are numbers.
+    pub step: f32,
+}
+
+impl Conditions {
+    /// As the sky is.
+    pub const PERFECT: Conditions =
+        Conditions { optics: Optics::Round, lopsided: false, gradient: 0.0, full_well: f32::INFINITY, step: 0.0 };
+}
+
+/// A part of the image of a point: where it lies, and its share of the light.
+struct Part {
+    along: f32,
+    across: f32,
+    share: f32,
+}
+
+const fn part(along: f32, across: f32, share: f32) -> Part {
+    Part { along, across, share }
+}
+
+const ROUND: [Part; 1] = [part(0.0, 0.0, 1.0)];
+const COMA: [Part; 6] = [
+    part(0.0, 0.0, 0.4),
+    part(0.2, 0.0, 0.22),
+    part(0.4, 0.0, 0.15),
+    part(0.6, 0.0, 0.1),
+    part(0.8, 0.0, 0.08),
+    part(1.0, 0.0, 0.05),
+];
+const TRAIL: [Part; 8] = [
+    part(-1.0, 0.0, 0.125),
+    part(-0.714, 0.0, 0.125),
+    part(-0.429, 0.0, 0.125),
+    part(-0.143, 0.0, 0.125),
+    part(0.143, 0.0, 0.125),
+    part(0.429, 0.0, 0.125),
+    part(0.714, 0.0, 0.125),
+    part(1.0, 0.0, 0.125),
+];
+const TWELFTH: f32 = 1.0 / 12.0;
+/// Points of the circle with rational places, nearly evenly.
+const RING: [Part; 12] = [
+    part(1.0, 0.0, TWELFTH),
+    part(0.8, 0.6, TWELFTH),
+    part(0.6, 0.8, TWELFTH),
+    part(0.0, 1.0, TWELFTH),
+    part(-0.6, 0.8, TWELFTH),
+    part(-0.8, 0.6, TWELFTH),
+    part(-1.0, 0.0, TWELFTH),
+    part(-0.8, -0.6, TWELFTH),
+    part(-0.6, -0.8, TWELFTH),
+    part(0.0, -1.0, TWELFTH),
+    part(0.6, -0.8, TWELFTH),
+    part(0.8, -0.6, TWELFTH),
+];
+/// Core radii from the head of a coma to the end of its tail, half a frame from the middle.
+const COMA_RADII: f32 = 4.0;
+/// From the middle of a trail to its ends.
+const TRAIL_RADII: f32 = 6.0;
+/// From the middle of a ring.
+const RING_RADII: f32 = 2.5;
+/// Half the difference of a lopsided galaxy's sides, in their mean.
+const LOPSIDED: f32 = 0.5;
+/// A star bleeds so many core radii along its column for each full well beyond the first, and ...
+const BLEED_RADII: f32 = 1.0;
+/// ... so many at most.
+const MOST_BLEED_RADII: f32 = 30.0;
+
 /// A simulated sky; a [`Frame`] of any size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     kind: Kind,
+    conditions: Conditions,
     seed: u32,
     width: usize,
     height: usize,
@@ -106,7 +214,13 @@ impl Sky {
     pub fn new(kind: Kind, seed: u32, width: usize, height: usize) -> Sky {
         let pixels = u32::try_from(width.saturating_mul(height)).unwrap_or(u32::MAX);
         let objects = (pixels / kind.recipe().pixels_per_object).max(3);
-        Sky { kind, seed, width, height, objects }
+        Sky { kind, conditions: Conditions::PERFECT, seed, width, height, objects }
+    }
+
+    /// The same sky as other conditions show it.
+    #[must_use]
+    pub fn under(self, conditions: Conditions) -> Sky {
+        Sky { conditions, ..self }
     }
 
     /// Number of objects.
@@ -140,31 +254,92 @@ impl Sky {
         Object { x, y, peak, radius, axis_ratio, direction, star }
     }
 
-    /// Adds the light of object `index` alone to row `y`; says whether it reaches that row.
+    /// Adds the light of object `index` alone to row `y`, that which bleeds too; says whether it reaches that row.
     pub fn add_light(&self, index: u32, y: usize, row: &mut [f32]) -> bool {
-        let object = self.object(index);
-        let (distance, reach) = (y as f32 - object.y, object.reach(self.sigma()));
-        let reached = distance <= reach && -distance <= reach;
-        if reached {
-            self.add(&object, y, row);
-        }
-        reached
+        self.add(&self.object(index), y, row)
     }
 
-    /// Adds an object to row `y`.
-    fn add(&self, object: &Object, y: usize, row: &mut [f32]) {
-        let sigma = self.sigma();
-        let reach = object.reach(sigma);
+    /// Adds an object to row `y`; says whether it reaches that row.
+    fn add(&self, object: &Object, y: usize, row: &mut [f32]) -> bool {
+        let (parts, axis) = self.optics(object);
+        let spread = magnitude(axis.0) + magnitude(axis.1);
+        let reach = object.reach(self.sigma()) + spread;
         let dy = y as f32 - object.y;
-        if dy > reach || dy < -reach {
-            return;
+        let is_near = dy <= reach && -dy <= reach;
+        if is_near {
+            for (x, pixel) in columns(row, object.x, reach) {
+                let dx = x as f32 - object.x;
+                for Part { along, across, share } in parts {
+                    let (right, up) = (along * axis.0 - across * axis.1, along * axis.1 + across * axis.0);
+                    *pixel += share * self.profile(object, dx - right, dy - up);
+                }
+            }
         }
-        let first = if object.x > reach { (object.x - reach) as usize } else { 0 };
-        let last = (object.x + reach) as usize;
-        for (x, pixel) in row.iter_mut().enumerate().take(last.saturating_add(1)).skip(first) {
-            *pixel += object.value(x as f32 - object.x, dy);
+        let bleed = self.bleed(object);
+        let bleeds = magnitude(dy) < bleed;
+        if bleeds {
+            let full = self.conditions.full_well * self.sigma();
+            columns(row, object.x, 1.0).for_each(|(_, pixel)| *pixel += full);
+        }
+        is_near || bleeds
+    }
+
+    /// The parts of an object's image, and the way from its centre that those with the place (1, 0) are away.
+    fn optics(&self, object: &Object) -> (&'static [Part], (f32, f32)) {
+        let radius = self.kind.recipe().blur;
+        let half = 0.5 * if self.width > self.height { self.width } else { self.height }.max(1) as f32;
+        let from_middle = |at: f32, length: usize| (at - 0.5 * length as f32) / half;
+        match self.conditions.optics {
+            Optics::Round => (&ROUND, (0.0, 0.0)),
+            Optics::Coma => {
+                let tail = COMA_RADII * radius;
+                (&COMA, (tail * from_middle(object.x, self.width), tail * from_middle(object.y, self.height)))
+            }
+            Optics::Trail => (&TRAIL, (0.8 * TRAIL_RADII * radius, 0.6 * TRAIL_RADII * radius)),
+            Optics::Ring => (&RING, (RING_RADII * radius, 0.0)),
         }
     }
+
+    /// An object's profile before the optics.
+    fn profile(&self, object: &Object, dx: f32, dy: f32) -> f32 {
+        let light = object.value(dx, dy);
+        if object.star || !self.conditions.lopsided {
+            return light;
+        }
+        let along = dx * object.direction.0 + dy * object.direction.1;
+        light * (1.0 + LOPSIDED * along / (object.radius + magnitude(along)))
+    }
+
+    /// How far a star bleeds along its column; 0 for what does not.
+    fn bleed(&self, object: &Object) -> f32 {
+        let excess = object.peak / (self.conditions.full_well * self.sigma()) - 1.0;
+        if !object.star || excess <= 0.0 {
+            return 0.0;
+        }
+        let radii = BLEED_RADII * excess;
+        object.radius * if radii < MOST_BLEED_RADII { radii } else { MOST_BLEED_RADII }
+    }
+
+    /// What the camera makes of a pixel in column `x`.
+    fn read_out(&self, pixel: f32, x: usize) -> f32 {
+        let Conditions { gradient, full_well, step, .. } = self.conditions;
+        let (sigma, last) = (self.sigma(), self.width.saturating_sub(1).max(1));
+        let above = if gradient == 0.0 { pixel } else { pixel + sigma * gradient * (x as f32 / last as f32) };
+        let full = full_well * sigma;
+        let kept = if above < full { above } else { full };
+        if step > 0.0 { step * sigma * libm::rintf(kept / (step * sigma)) } else { kept }
+    }
+}
+
+/// The pixels of a row that are at most so far from a place.
+fn columns(row: &mut [f32], place: f32, distance: f32) -> impl Iterator<Item = (usize, &mut f32)> {
+    let first = if place > distance { (place - distance) as usize } else { 0 };
+    let last = (place + distance) as usize;
+    row.iter_mut().enumerate().take(last.saturating_add(1)).skip(first)
+}
+
+fn magnitude(value: f32) -> f32 {
+    if value < 0.0 { -value } else { value }
 }
 
 impl Object {
@@ -203,11 +378,11 @@ impl Frame for Sky {
     fn row(&mut self, y: usize, out: &mut [f32]) -> Result<(), Infallible> {
         out.fill(0.0);
         for index in 0..self.objects {
-            self.add(&self.object(index), y, out);
+            self.add_light(index, y, out);
         }
         let (sigma, noise_seed) = (self.sigma(), hash(self.seed, 0x6E6F, 0x6973));
-        for (x, pixel) in (0u32..).zip(out.iter_mut()) {
-            *pixel += sigma * gaussian(noise_seed, x, y as u32);
+        for (x, pixel) in out.iter_mut().enumerate() {
+            *pixel = self.read_out(*pixel + sigma * gaussian(noise_seed, x as u32, y as u32), x);
         }
         Ok(())
     }
@@ -227,5 +402,119 @@ mod tests {
         let error = 1.0 / libm::sqrt(count);
         assert!((sum / count).abs() < 4.0 * error);
         assert!((squares / count - 1.0).abs() < 4.0 * 1.4 * error);
+    }
+
+    const SIDE: usize = 96;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    fn pixels(kind: Kind, conditions: Conditions) -> Vec<f32> {
+        let mut sky = Sky::new(kind, 3, SIDE, SIDE).under(conditions);
+        let mut pixels = std::vec![0.0; SIDE * SIDE];
+        for (y, row) in pixels.chunks_exact_mut(SIDE).enumerate() {
+            let Ok(()) = sky.row(y, row);
+        }
+        pixels
+    }
+
+    /// The light of an object alone, and its first and second moments about its centre along both axes.
+    fn moments(sky: &Sky, index: u32) -> ([f32; 3], [f32; 2]) {
+        let object = sky.object(index);
+        let ([mut light, mut right, mut up], mut squares) = ([0.0; 3], [0.0; 2]);
+        for y in 0..SIDE {
+            let mut row = [0.0; SIDE];
+            sky.add_light(index, y, &mut row);
+            for (x, value) in row.into_iter().enumerate() {
+                let (dx, dy) = (x as f32 - object.x, y as f32 - object.y);
+                (light, right, up) = (light + value, right + value * dx, up + value * dy);
+                (squares[0], squares[1]) = (squares[0] + value * dx * dx, squares[1] + value * dy * dy);
+            }
+        }
+        ([light, right / light, up / light], squares.map(|square| square / light))
+    }
+
+    /// A star well inside the frame and away from its middle.
+    fn inner(sky: &Sky) -> u32 {
+        let is_inner = |at: f32| (25.0..40.0).contains(&at);
+        let found = (0..1000).find(|&index| is_inner(sky.object(index).x) && is_inner(sky.object(index).y));
+        found.expect("one of many")
+    }
+
+    #[test]
+    fn optics_keep_the_light_and_change_its_shape() {
+        let round = Sky::new(Kind::Stars, 3, SIDE, SIDE);
+        let index = inner(&round);
+        let ([light, right, up], [wide, high]) = moments(&round, index);
+        assert!(magnitude(right) < 0.3 && magnitude(up) < 0.3 && (wide / high - 1.0).abs() < 0.2);
+        let shaped = |optics| moments(&round.under(Conditions { optics, ..Conditions::PERFECT }), index);
+        for optics in [Optics::Coma, Optics::Trail, Optics::Ring] {
+            let ([shaped, ..], _) = shaped(optics);
+            assert!((shaped / light - 1.0).abs() < 0.1, "{optics:?}: {shaped}, not {light}");
+        }
+        let ([_, right, up], _) = shaped(Optics::Coma);
+        assert!(right < -0.3 && up < -0.3, "away from the middle: {right}, {up}");
+        let (_, [trailed, _]) = shaped(Optics::Trail);
+        assert!(trailed > wide + 20.0, "{trailed} along, {wide} of a round star");
+        let middle = |optics| {
+            let (sky, object) = (round.under(Conditions { optics, ..Conditions::PERFECT }), round.object(index));
+            let mut row = [0.0; SIDE];
+            sky.add_light(index, object.y as usize, &mut row);
+            row[object.x as usize]
+        };
+        assert!(middle(Optics::Ring) < 0.2 * middle(Optics::Round));
+    }
+
+    #[test]
+    fn a_lopsided_galaxy_has_its_light_on_one_side() {
+        let even = Sky::new(Kind::Bright, 3, SIDE, SIDE);
+        let lopsided = even.under(Conditions { lopsided: true, ..Conditions::PERFECT });
+        let galaxy = (0..300).find(|&n| {
+            !even.object(n).star && (30.0..60.0).contains(&even.object(n).x) && (30.0..60.0).contains(&even.object(n).y)
+        });
+        let index = galaxy.expect("one of a hundred");
+        let along = |sky: &Sky| {
+            let ([_, right, up], _) = moments(sky, index);
+            right * even.object(index).direction.0 + up * even.object(index).direction.1
+        };
+        assert!(along(&lopsided) > along(&even) + 0.3, "{} and {}", along(&lopsided), along(&even));
+    }
+
+    #[test]
+    fn a_full_well_bleeds_along_the_column() {
+        let kind = Kind::Stars;
+        let (sky, full_well) = (Sky::new(kind, 3, SIDE, SIDE), 100.0);
+        let full = full_well * sky.sigma();
+        let pixels = pixels(kind, Conditions { full_well, ..Conditions::PERFECT });
+        assert!(pixels.iter().all(|&pixel| pixel <= full), "no pixel is brighter");
+        let brightest = (0..sky.objects()).max_by(|&a, &b| sky.object(a).peak.total_cmp(&sky.object(b).peak));
+        let star = sky.object(brightest.expect("there are stars"));
+        assert!(star.peak > 2.0 * full, "a star of {} for {full}", star.peak);
+        let column = star.x as usize;
+        let longest = |along: &mut dyn Iterator<Item = f32>| {
+            along.fold((0, 0), |(run, most), v| if v >= full { (run + 1, most.max(run + 1)) } else { (0, most) }).1
+        };
+        let trail = longest(&mut (0..SIDE).map(|y| pixels[y * SIDE + column]));
+        let row = star.y as usize;
+        let width = longest(&mut (0..SIDE).map(|x| pixels[row * SIDE + x]));
+        assert!(trail > width + 2, "{trail} along the column, {width} along the row");
+    }
+
+    #[test]
+    fn gradient_and_step_are_the_camera_s() {
+        let (kind, step) = (Kind::Noisy, 0.5);
+        let perfect = pixels(kind, Conditions::PERFECT);
+        let sigma = Sky::new(kind, 3, SIDE, SIDE).sigma();
+        let sloped = pixels(kind, Conditions { gradient: 10.0, ..Conditions::PERFECT });
+        for (at, (sloped, perfect)) in sloped.iter().zip(&perfect).enumerate() {
+            let rise = 10.0 * sigma * (at % SIDE) as f32 / (SIDE - 1) as f32;
+            assert!((sloped - perfect - rise).abs() < 1e-4 * sigma.max(*perfect));
+        }
+        let stepped = pixels(kind, Conditions { step, ..Conditions::PERFECT });
+        for (stepped, perfect) in stepped.iter().zip(&perfect) {
+            let steps = stepped / (step * sigma);
+            assert!((steps - libm::rintf(steps)).abs() < 1e-3 && (stepped - perfect).abs() <= 0.51 * step * sigma);
+        }
+        assert!(stepped.iter().zip(&perfect).any(|(stepped, perfect)| stepped != perfect));
     }
 }

@@ -10,14 +10,19 @@ const LEAST_PIXELS: usize = 3;
 
 /// A simulated sky as an image without header.
 pub fn simulated(kind: Kind, seed: u32, width: usize, height: usize) -> (Image, Sky) {
-    let mut sky = Sky::new(kind, seed, width, height);
+    let sky = Sky::new(kind, seed, width, height);
+    (observed(sky, width, height), sky)
+}
+
+/// A sky of this size as an image without header.
+pub fn observed(mut sky: Sky, width: usize, height: usize) -> Image {
     let mut pixels = vec![0.0f32; width * height];
     for (y, row) in pixels.chunks_exact_mut(width).enumerate() {
         let Ok(()) = sky.row(y, row);
     }
     let mut digest = crc32fast::Hasher::new();
     pixels.iter().for_each(|pixel| digest.update(&pixel.to_le_bytes()));
-    let image = Image {
+    Image {
         width,
         height,
         pixels,
@@ -28,8 +33,7 @@ pub fn simulated(kind: Kind, seed: u32, width: usize, height: usize) -> (Image, 
         bitpix: -32,
         checksum: digest.finalize(),
         warnings: Vec::new(),
-    };
-    (image, sky)
+    }
 }
 
 /// Labels, row-major, 0 = background: a pixel belongs to the object with the most light there, each

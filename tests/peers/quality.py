@@ -13,9 +13,21 @@ from astropy.stats import SigmaClip
 from photutils.background import Background2D, SExtractorBackground
 from photutils.segmentation import deblend_sources, detect_sources, make_2dgaussian_kernel
 
+import injected
 from peers import score, skyfront, source_extractor
 
-KINDS = ["bright", "noisy", "stars"]
+# Skies, with the options that make them.
+SKIES = {
+    "bright": "--kind bright",
+    "noisy": "--kind noisy",
+    "stars": "--kind stars",
+    "stars with coma": "--kind stars --optics coma",
+    "stars, trailed": "--kind stars --optics trail",
+    "stars out of focus": "--kind stars --optics ring",
+    "stars with full wells": "--kind stars --full-well 150",
+    "lopsided galaxies": "--kind bright --lopsided",
+    "a gradient, whole counts": "--kind noisy --gradient 10 --step 1",
+}
 MEASURES = ["combined", "f_score", "completeness", "purity", "mean_iou", "pq"]
 THRESHOLD, PIXELS, CELL = 1.5, 5, 64
 
@@ -44,12 +56,12 @@ TOOLS = {"Skyfront": skyfront, "source-extractor": source_extractor, "SEP": extr
 
 
 def main(seeds, side, program):
-    results = {(kind, tool): [] for kind in KINDS for tool in TOOLS}
-    for kind in KINDS:
+    results = {(kind, tool): [] for kind in SKIES for tool in TOOLS}
+    for kind, options in SKIES.items():
         for seed in range(1, seeds + 1):
             with tempfile.TemporaryDirectory() as name:
                 folder = pathlib.Path(name)
-                words = [program, "simulate", "--kind", kind, "--seed", str(seed), "--side", str(side)]
+                words = [program, "simulate", *options.split(), "--seed", str(seed), "--side", str(side)]
                 subprocess.run(words + ["--out", folder], check=True)
                 for tool, run in TOOLS.items():
                     results[kind, tool].append(score(folder, run(folder, program), program))
@@ -59,6 +71,7 @@ def main(seeds, side, program):
     for (kind, tool), scores in results.items():
         means = [f"{np.mean([score[measure] for score in scores]):.3f}" for measure in MEASURES]
         print(f"| {kind} | {tool} | " + " | ".join(means) + " |")
+    injected.table(seeds, program)
 
 
 main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3])

@@ -110,7 +110,7 @@ pub(crate) fn measure<L: Level, P: Sample>(
             }
         },
     }
-    let (left, bottom) = known.whole.map_or((0, 0), |whole| whole.part().origin);
+    let (left, bottom) = view.origin();
     let sky_at = |at: usize| mesh.at(left + at % grid.width, bottom + at / grid.width);
     if known.relative {
         let ratio = |at: usize| sky_at(at).noise / Known::value(known.noise, at).unwrap_or(1.0);

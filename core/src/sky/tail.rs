@@ -1,5 +1,8 @@
 //! The noise of a smoothed plane, and how high its peaks reach.
 //!
+//! Whole counts of little noise leave a plane that is level but for a few patches, a step of the values high. Its
+//! quartiles know nothing of these: such noise is measured by the far tail of the lower half, too.
+//!
 //! Photons and skies that are cut off at the black level have skew noise: more of its peaks are high
 //! than in a normal distribution of the same width. The height that noise exceeds as rarely is then
 //! that of E. A. Cornish and R. A. Fisher 1938, doi:10.2307/1400905, to the first order.
@@ -15,6 +18,15 @@ use core::ops::Range;
 
 /// From the distance between median and quartile to the standard deviation of a normal distribution.
 const FROM_QUARTILE: f32 = 1.4826;
+/// Of the values of coarse frames, one in so many is farther below the median than [`FAR`] standard deviations of a normal
+/// distribution.
+const FAR_SHARE: usize = 1000;
+/// See [`FAR_SHARE`].
+const FAR: f32 = 3.090_232;
+/// Values so many standard deviations from the mean are clipped.
+const CLIP: f64 = 5.0;
+/// Rounds of clipping.
+const ROUNDS: u32 = 10;
 /// Values so many noise units from 0 are those of sources, not of the tail.
 const REACH: f32 = 6.0;
 /// Less skewness is that of faint sources.
@@ -27,6 +39,15 @@ const MOST: f32 = 2.5;
 /// All parts of an image, and the questions for the noise and for its powers.
 pub(crate) type Asked<'w> = (&'w dyn Whole, [Question; 2]);
 
+/// How the values of a frame are distributed of which a plane was made; see [`Values`](crate::sky::Values).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Shape {
+    /// Cut off below.
+    pub piled: bool,
+    /// Noise of about a step of the values or less.
+    pub coarse: bool,
+}
+
 /// The noise of a plane where no source is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tail<L> {
@@ -38,12 +59,13 @@ pub struct Tail<L> {
 
 impl<L: Level> Tail<L> {
     /// The tail of `value(at)` over the pixels of a plane that are not `masked`. Sources are
-    /// positive: the lower half of the values gives the noise. Where the frame is `piled` up at its
-    /// least value the upper half counts as much, and the skewness is measured. Of large planes a sample
-    /// gives the noise. Cost: a sort of the sample; where piled, two looks at each pixel more.
-    pub fn measure(value: impl Fn(usize) -> L, grid: Grid, masked: Mask<'_>, piled: bool, keys: Keys<'_>) -> Tail<L> {
+    /// positive: the lower half of the values gives the noise. Where the frame is piled up at its least value the
+    /// upper half counts as much; where it is coarse the noise is at least the clipped standard deviation, begun with
+    /// that of a pixel, 1, and what the far tail of the lower half tells. Of both the skewness is measured. Of large
+    /// planes a sample gives the noise. Cost: a sort of the sample; where piled or coarse, two looks at each pixel more.
+    pub fn measure(value: impl Fn(usize) -> L, grid: Grid, masked: Mask<'_>, shape: Shape, keys: Keys<'_>) -> Tail<L> {
         let mut tail = Tail::UNKNOWN;
-        let _ = tail.step(&mut Walk::whole(), (None, grid), value, (masked, piled), keys);
+        let _ = tail.step(&mut Walk::whole(), (None, grid), value, (masked, shape), keys);
         tail
     }
 
@@ -57,7 +79,7 @@ impl<L: Level> Tail<L> {
         walk: &mut Walk,
         (whole, grid): (Option<Asked<'_>>, Grid),
         value: impl Fn(usize) -> L,
-        (masked, piled): (Mask<'_>, bool),
+        (masked, shape): (Mask<'_>, Shape),
         mut keys: Keys<'_>,
     ) -> Option<()> {
         let sky = |at: usize| (!masked.has(at)).then(|| value(at));
@@ -67,10 +89,10 @@ impl<L: Level> Tail<L> {
             *self = Tail::UNKNOWN;
             return Some(());
         };
-        walk.once(1, || *self = Tail::of_sample(sorted, piled))?;
+        walk.once(1, || *self = Tail::of_sample(sorted, shape))?;
         let (noise, is_known) = (self.noise, sorted.len() >= ENOUGH);
         match whole {
-            _ if !piled => {}
+            _ if shape == Shape::default() => {}
             None => {
                 let rows = if is_known { grid.height } else { 0 };
                 let reach = noise.scaled(L::Weight::of(REACH));
@@ -110,7 +132,7 @@ impl<L: Level> Tail<L> {
     }
 
     /// The noise of sorted values.
-    fn of_sample(sorted: &[u32], piled: bool) -> Tail<L> {
+    fn of_sample(sorted: &[u32], shape: Shape) -> Tail<L> {
         if sorted.len() < ENOUGH {
             return Tail::UNKNOWN;
         }
@@ -119,8 +141,13 @@ impl<L: Level> Tail<L> {
         let lower = centre - ranked(sorted, half - 1 - half / 2);
         let upper = ranked::<L>(sorted, sorted.len() - half + half / 2) - centre;
         let both = (lower + upper).scaled(L::Weight::of(0.5));
-        let quartile = if piled { lower.greatest(both) } else { lower };
-        Tail { noise: quartile.scaled(L::Weight::of(FROM_QUARTILE)), skewness: 0.0 }
+        let quartile = if shape.piled { lower.greatest(both) } else { lower };
+        let mut noise = quartile.scaled(L::Weight::of(FROM_QUARTILE));
+        if shape.coarse {
+            let far = (centre - ranked(sorted, sorted.len() / FAR_SHARE)).scaled(L::Weight::of(1.0 / FAR));
+            noise = noise.greatest(far).greatest(L::of(clipped::<L>(sorted)));
+        }
+        Tail { noise, skewness: 0.0 }
     }
 
     /// The list of fields, out or in.
@@ -138,6 +165,26 @@ impl<L: Level> Tail<L> {
     pub fn raised(&self, height: f32) -> f32 {
         height + self.skewness * (height * height - 1.0) / 6.0
     }
+}
+
+/// The standard deviation of values by their keys, clipped; at first it is taken for that of a pixel, 1.
+fn clipped<L: Level>(sorted: &[u32]) -> f32 {
+    let (mut mean, mut noise, mut kept) = (0.0, 1.0, 0.0);
+    for _ in 0..ROUNDS {
+        let values = sorted.iter().map(|&key| f64::from(L::of_key(key).to_f32()));
+        let near = values.map(|value| value - mean).filter(|bend| bend * bend <= CLIP * CLIP * noise * noise);
+        let [count, sum, squares] =
+            near.fold([0.0; 3], |[count, sum, squares], bend| [count + 1.0, sum + bend, squares + bend * bend]);
+        let shift = sum / at_least_one(count);
+        let variance = squares / at_least_one(count) - shift * shift;
+        noise = libm::sqrt(if variance > 0.0 { variance } else { 0.0 });
+        mean += shift;
+        if count == kept {
+            break;
+        }
+        kept = count;
+    }
+    noise as f32
 }
 
 fn at_least_one(count: f64) -> f64 {
@@ -184,17 +231,21 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
-    fn tail(values: &[f32], piled: bool) -> Tail<f32> {
+    const EVEN: Shape = Shape { piled: false, coarse: false };
+    const PILED: Shape = Shape { piled: true, coarse: false };
+    const COARSE: Shape = Shape { piled: false, coarse: true };
+
+    fn tail(values: &[f32], shape: Shape) -> Tail<f32> {
         let (mut keys, mut spare) = (std::vec![0; values.len()], std::vec![0; values.len()]);
         let grid = Grid::of(values.len(), values.len()).expect("there are values");
-        Tail::measure(|at| values[at], grid, Mask(&[]), piled, Keys(&mut keys, &mut spare))
+        Tail::measure(|at| values[at], grid, Mask(&[]), shape, Keys(&mut keys, &mut spare))
     }
 
     #[test]
     fn normal_noise_reaches_the_height_of_the_table() {
         let values = normal(10_000, 0.0, 2.0);
-        for piled in [false, true] {
-            let tail = tail(&values, piled);
+        for shape in [EVEN, PILED, COARSE] {
+            let tail = tail(&values, shape);
             assert!((tail.noise - 2.0).abs() < 0.01 && tail.skewness == 0.0, "{tail:?}");
             assert_eq!(tail.height(4.0), 4.0 * tail.noise);
         }
@@ -204,12 +255,12 @@ mod tests {
     #[test]
     fn skew_noise_reaches_higher() {
         let values: Vec<f32> = (0..10_000).map(|n| -libm::logf((n as f32 + 0.5) / 1e4) - 1.0).collect();
-        let skew = tail(&values, true);
+        let skew = tail(&values, PILED);
         assert!((skew.skewness - 1.7).abs() < 0.3, "{skew:?}");
         // Normal noise is above 3 with p = 0.00135.
         let exact = libm::logf(1.0 / 0.00135) - 1.0;
         assert!((skew.raised(3.0) - exact).abs() < 0.6, "{} beside {exact}", skew.raised(3.0));
-        let lower = tail(&values, false);
+        let lower = tail(&values, EVEN);
         assert!(lower.skewness == 0.0 && lower.noise < skew.noise, "the lower half is narrow: {lower:?}");
     }
 
@@ -217,7 +268,30 @@ mod tests {
     fn sources_do_not_count() {
         let mut values = normal(10_000, 0.0, 1.0);
         values.extend([500.0; 300]);
-        let tail = tail(&values, true);
+        let tail = tail(&values, PILED);
         assert!((tail.noise - 1.0).abs() < 0.05 && tail.skewness == 0.0, "{tail:?}");
+    }
+
+    /// Nine in ten pixels are level, and one in twenty each is a step of the values, 3 noise units, above and below.
+    #[test]
+    fn patches_of_coarse_noise_count() {
+        let mut values = std::vec![0.0; 9000];
+        values.extend([-3.0; 500]);
+        values.extend([3.0; 500]);
+        assert_eq!(tail(&values, EVEN).noise, 0.0, "quartiles know nothing of them");
+        let deviation = libm::sqrtf(0.9);
+        let coarse = tail(&values, COARSE);
+        assert!(coarse.noise >= deviation && coarse.noise < 1.05 * 3.0 / FAR.least(3.0), "{coarse:?}");
+        // Without the lower patches what is left is skew, and of the standard deviation alone.
+        values.retain(|&value| value >= 0.0);
+        let coarse = tail(&values, COARSE);
+        assert!((coarse.noise - 0.67).abs() < 0.01 && coarse.skewness > 2.0, "{coarse:?}");
+    }
+
+    #[test]
+    fn sources_do_not_count_in_coarse_noise() {
+        let mut values = normal(10_000, 0.0, 1.0);
+        values.extend([500.0; 300]);
+        assert!((tail(&values, COARSE).noise - 1.0).abs() < 0.05);
     }
 }

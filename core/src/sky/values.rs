@@ -25,6 +25,8 @@ const APART: f32 = 0.3;
 const APART_STEPS: f32 = 16.0;
 /// A frame is cut off below where one in so many of its pixels has the least value.
 const PILE_SHARE: usize = 10;
+/// So many in ten of the pixels, or more, have one value where the noise is about a step of the values or less.
+const COARSE_TENTHS: usize = 4;
 /// Fewer values do not tell a saturated sky from chance.
 const SATURATED_FROM: usize = 1000;
 /// The part of the range of a frame that is taken for exact: single precision resolves a little more.
@@ -44,6 +46,8 @@ pub struct Values {
     pub defined: u32,
     /// Whether a tenth of the defined pixels have the least value: what is darker was cut off there.
     pub piled: bool,
+    /// Whether more than four tenths of them have one value: the noise is about a step of the values or less.
+    pub coarse: bool,
     /// Whether a tenth of them have the greatest value: what is brighter was cut off there. Never
     /// told of fewer than a thousand pixels.
     pub saturated: bool,
@@ -67,6 +71,7 @@ impl Values {
         filled: 0,
         defined: 0,
         piled: false,
+        coarse: false,
         saturated: false,
         greatest: 0.0,
         resolution: 0.0,
@@ -96,6 +101,7 @@ impl Values {
         values.commonest = rest().reduce(commoner).map_or(0.0, |run| run.value);
         values.step = least_gap(rest().map(|run| run.value));
         let count: usize = rest().map(|run| run.count).sum();
+        values.coarse = rest().any(|run| 10 * run.count > COARSE_TENTHS * count);
         values.piled = rest().next().is_some_and(|least| least.count * PILE_SHARE > count);
         if let Some(most) = rest().last() {
             values.greatest = most.value;
@@ -130,7 +136,7 @@ impl Look {
 
     /// The list of fields, out or in.
     pub fn code<C: Codec>(&mut self, codec: &mut C) -> Result<(), C::Error> {
-        let Values { step, fill, filled, defined, piled, saturated, greatest, resolution, commonest, checksum } =
+        let Values { step, fill, filled, defined, piled, coarse, saturated, greatest, resolution, commonest, checksum } =
             &mut self.values;
         for real in [step, fill, greatest, resolution, commonest, &mut self.candidate] {
             codec.real(real)?;
@@ -139,6 +145,7 @@ impl Look {
             codec.word(word)?;
         }
         codec.flag(piled)?;
+        codec.flag(coarse)?;
         codec.flag(saturated)?;
         for count in [&mut self.occurrences, &mut self.pairs.all, &mut self.pairs.followed] {
             codec.size(count)?;

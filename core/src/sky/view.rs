@@ -9,7 +9,7 @@ use crate::plane::raster::{BadPixel, Raster, Sample};
 use crate::plane::sort::Keys;
 use crate::plane::walk::Walk;
 use crate::sky::Values;
-use crate::sky::tail::Tail;
+use crate::sky::tail::{Shape, Tail};
 use crate::sky::values::Look;
 
 /// What is known of the sky beforehand; what is not is measured on the image.
@@ -121,6 +121,11 @@ impl<'a, P: Sample> View<'a, P> {
         self.known.image((self.grid.width.get(), self.grid.height))
     }
 
+    /// Column and row of the image at which the frame begins.
+    pub(crate) fn origin(&self) -> (usize, usize) {
+        self.known.whole.map_or((0, 0), |whole| whole.part().origin)
+    }
+
     /// Finds the tail of a plane's noise, asked by these questions where the frame is a part; means nothing while others
     /// have yet to answer.
     pub(crate) fn tail<L: Level>(
@@ -132,7 +137,8 @@ impl<'a, P: Sample> View<'a, P> {
         keys: Keys<'_>,
     ) -> Option<()> {
         let whole = self.known.whole.map(|whole| (whole, questions));
-        tail.step(walk, (whole, self.grid), value, (masked, self.values.piled), keys)
+        let shape = Shape { piled: self.values.piled, coarse: self.values.coarse };
+        tail.step(walk, (whole, self.grid), value, (masked, shape), keys)
     }
 
     /// Whether a pixel is an observation that may be used.

@@ -36,6 +36,10 @@ const LENIENCY: f32 = 0.5;
 const WHITE: f32 = 0.219_635;
 /// The same of the narrow image.
 const NARROW_WHITE: f32 = 0.519_534;
+/// By so much less counts a peak in the outermost row or column of the image, and in the next. Planes are mirrored at the
+/// border, where pixels are summed up with themselves: white noise of the matched image is 1.38 and 1.17 times as large
+/// there. These pixels are few, so that more of it may be let pass in each.
+const AT_BORDER: [f32; 2] = [0.8, 0.92];
 /// So many deviations of the noise that the caller knows of, and the frame does not have, could take light away.
 const UNSEEN: f32 = 2.0;
 /// Rounds of the cut on significance, which depends on the number of sources it leaves.
@@ -166,6 +170,7 @@ pub(crate) fn cut<L: Level, P: Sample>(
         Weights::gauss(WIDE).sharpen_rows(rows, work.matched, work.rows, grid, SHARPENING, crew);
     })?;
     measure(walk, work)?;
+    measure_peaks(walk, view, work)?;
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Matched, Question::MatchedPowers];
     view.tail(walk, (&mut cutting.matched, questions), matched, work.masked, work.keys.again())?;
@@ -210,7 +215,7 @@ pub(crate) fn cut<L: Level, P: Sample>(
     Some(())
 }
 
-/// The peak of every region in the narrow image, and the noise of that, from the matched image before it is sharpened.
+/// The narrow image, and the noise of it, from the matched image before it is sharpened.
 fn measure_narrow<L: Level, P: Sample>(
     (walk, crew): (&mut Walk, &impl Crew),
     noise: &mut Tail<L>,
@@ -225,20 +230,28 @@ fn measure_narrow<L: Level, P: Sample>(
     walk.pass(grid.height, 2 * width, |rows| {
         Weights::gauss(NARROW_WIDE).sharpen_rows(rows, work.narrow, work.rows, grid, NARROW_SHARPENING, crew);
     })?;
-    walk.pass(work.regions.len(), 1, |part| {
-        work.regions.get_mut(part).unwrap_or(&mut []).iter_mut().for_each(|region| region.offsets = (0.0, 0.0));
-    })?;
-    walk.pass(work.labels.len(), 1, |part| {
-        for (at, label) in used_in(work.labels, part) {
-            let region = work.regions.get_mut((label as usize).wrapping_sub(1));
-            if let (Some(region), Some(&narrow)) = (region, work.narrow.get(at)) {
-                region.offsets.0 = region.offsets.0.greatest(narrow.to_f32());
-            }
-        }
-    })?;
     let narrow = |at: usize| work.narrow.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Narrow, Question::NarrowPowers];
     view.tail(walk, (noise, questions), narrow, work.masked, work.keys.again())
+}
+
+/// The peak of every region in the narrow and in the matched image, of which those at the border count for less.
+fn measure_peaks<L: Level, P: Sample>(walk: &mut Walk, view: &View<'_, P>, work: &mut Planes<'_, L>) -> Option<()> {
+    walk.pass(work.regions.len(), 1, |part| {
+        work.regions.get_mut(part).unwrap_or(&mut []).iter_mut().for_each(|region| region.offsets = (0.0, 0.0));
+    })?;
+    let ((columns, rows), (left, bottom)) = (view.image(), view.origin());
+    let weight = |at: usize, length: usize| AT_BORDER.get(at.min(length.saturating_sub(at + 1))).unwrap_or(&1.0);
+    walk.pass(work.labels.len(), 1, |part| {
+        for (at, label) in used_in(work.labels, part) {
+            let region = work.regions.get_mut((label as usize).wrapping_sub(1));
+            if let (Some(region), Some(narrow), Some(matched)) = (region, work.narrow.get(at), work.matched.get(at)) {
+                let ((x, y), peaks) = (view.grid.place(at), region.offsets);
+                let matched = matched.to_f32() * weight(left + x, columns) * weight(bottom + y, rows);
+                region.offsets = (peaks.0.greatest(narrow.to_f32()), peaks.1.greatest(matched));
+            }
+        }
+    })
 }
 
 /// How far up in significance what may be a source in any part of an image is one: sorted keys. Each is told by the part
@@ -309,8 +322,8 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
             && region.value >= L::of(part * peak)
             && region.sum >= L::share(L::ONE.times(1), part * light)
     };
-    let matched = cut.matched.times(region.value.to_f32(), 1.0);
-    let narrow = cut.narrow.times(region.offsets.0, STANDS_OUT);
+    let (narrow, matched) = region.offsets;
+    let (narrow, matched) = (cut.narrow.times(narrow, STANDS_OUT), cut.matched.times(matched, 1.0));
     if enough(1.0, least_area) {
         matched
     } else if !divided && enough(LENIENCY, narrow_area(config.min_area)) {

@@ -26,8 +26,8 @@ pub struct Region<L: Level> {
     /// Its centre, (x, y), to a fraction of a pixel.
     pub centre: (L, L),
     /// Of its pixels above half its peak, the sums of the values times the distances from the peak along
-    /// x and y; while sources compete, its shape (see [`Ellipse::of`]); while they are selected, its peak in the
-    /// narrow image, and 0.
+    /// x and y; while sources compete, its shape (see [`Ellipse::of`]); while they are selected, its peaks in
+    /// the narrow and in the matched image.
     pub offsets: (f32, f32),
     /// Pixels of the plateau that it ends in, as a saturated star does; 0 where it ends in a peak.
     /// While the centre is looked for, the sum of the values above half the peak; while the shape is, that of second

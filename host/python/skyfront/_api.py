@@ -1,5 +1,6 @@
 """The functions of the package."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -118,7 +119,28 @@ def score(truth, labels, image):
     return json.loads(_engine.score(flat[0].ravel(), flat[1].ravel(), sample(image.pixels)))
 
 
-def simulate(kind="bright", *, seed=1, shape=(300, 300)):
+@dataclasses.dataclass
+class _Seen:
+    """What a telescope and a camera make of a sky."""
+
+    optics: str
+    lopsided: bool
+    gradient: float
+    full_well: float | None
+    step: float | None
+
+
+def simulate(
+    kind="bright",
+    *,
+    seed=1,
+    shape=(300, 300),
+    optics="round",
+    lopsided=False,
+    gradient=0.0,
+    full_well=None,
+    step=None,
+):
     """A simulated sky and its truth: which object owns which pixel.
 
     Parameters
@@ -129,13 +151,25 @@ def simulate(kind="bright", *, seed=1, shape=(300, 300)):
         The same seed and shape give the same sky, on every machine.
     shape : (int, int)
         Rows and columns, 8 to 8192.
+    optics : str
+        What the telescope makes of a point: `round`, `coma` (a tail that grows with the distance from the middle),
+        `trail` (a line) or `ring` (out of focus).
+    lopsided : bool
+        Galaxies brighter on one side than opposite.
+    gradient : float
+        How much brighter the sky is in the last column than in the first, in noise units.
+    full_well : float, optional
+        No pixel is brighter, in noise units; stars bleed along their columns.
+    step : float, optional
+        Distance of two values, in noise units: whole counts.
 
     Returns
     -------
     image : float32 array
     truth : int32 array
     """
-    image, truth = _engine.simulate(kind, seed, tuple(shape))
+    seen = _Seen(optics, lopsided, gradient, full_well, step)
+    image, truth = _engine.simulate(kind, seed, tuple(shape), seen)
     return image, truth.view(np.int32)
 
 

@@ -20,7 +20,15 @@ __version__: str
 TAIL = '''\
 def score(truth: ArrayLike, labels: ArrayLike, image: Any) -> dict[str, float]: ...
 def simulate(
-    kind: str = "bright", *, seed: int = 1, shape: tuple[int, int] = (300, 300)
+    kind: str = "bright",
+    *,
+    seed: int = 1,
+    shape: tuple[int, int] = (300, 300),
+    optics: str = "round",
+    lopsided: bool = False,
+    gradient: float = 0.0,
+    full_well: float | None = None,
+    step: float | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.int32]]: ...
 def columns() -> list[tuple[str, str, str, bool]]: ...
 def parameters() -> dict[str, dict[str, Any]]: ...

@@ -13,7 +13,7 @@ use skyfront::outline::rings;
 use skyfront::picture::overlay;
 use skyfront::{score as measures, truth};
 use skyfront_core::config::Connectivity;
-use skyfront_core::simulate::Kind;
+use skyfront_core::simulate::{Conditions, Kind, Optics};
 use skyfront_core::sources::catalog::Source;
 
 /// The measures of a label map against the truth, as JSON.
@@ -31,10 +31,48 @@ pub fn score(
 /// An image and the labels of its objects.
 type Sky<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray2<u32>>);
 
+/// What a telescope and a camera make of a sky, as Python says it.
+#[derive(FromPyObject)]
+pub struct Seen {
+    optics: String,
+    lopsided: bool,
+    gradient: f32,
+    full_well: Option<f32>,
+    step: Option<f32>,
+}
+
+impl Seen {
+    fn conditions(&self, py: Python<'_>) -> PyResult<Conditions> {
+        let optics = match self.optics.as_str() {
+            "round" => Optics::Round,
+            "coma" => Optics::Coma,
+            "trail" => Optics::Trail,
+            "ring" => Optics::Ring,
+            _ => return Err(option(py, "optics", &format!("{:?} is none of round, coma, trail, ring", self.optics))),
+        };
+        const MOST: f32 = 1e6;
+        for (name, value) in [("full_well", self.full_well), ("step", self.step)] {
+            if value.is_some_and(|value| !(value > 0.0 && value <= MOST)) {
+                return Err(option(py, name, "must be above 0 and at most 1000000"));
+            }
+        }
+        if !(self.gradient.abs() <= MOST) {
+            return Err(option(py, "gradient", "must be at most 1000000 up or down"));
+        }
+        Ok(Conditions {
+            optics,
+            lopsided: self.lopsided,
+            gradient: self.gradient,
+            full_well: self.full_well.unwrap_or(Conditions::PERFECT.full_well),
+            step: self.step.unwrap_or(Conditions::PERFECT.step),
+        })
+    }
+}
+
 /// A simulated sky and its truth.
 #[pyfunction]
-pub fn simulate<'py>(py: Python<'py>, kind: &str, seed: u32, shape: (usize, usize)) -> PyResult<Sky<'py>> {
-    let (height, width) = shape;
+pub fn simulate<'py>(py: Python<'py>, kind: &str, seed: u32, shape: (usize, usize), seen: Seen) -> PyResult<Sky<'py>> {
+    let ((height, width), conditions) = (shape, seen.conditions(py)?);
     let kind = match kind {
         "bright" => Kind::Bright,
         "noisy" => Kind::Noisy,
@@ -46,9 +84,8 @@ pub fn simulate<'py>(py: Python<'py>, kind: &str, seed: u32, shape: (usize, usiz
         return Err(option(py, "shape", &format!("{shape:?} must be 8 to 8192 along both axes")));
     }
     let (image, labels) = watched(py, move |_| {
-        let (image, sky) = truth::simulated(kind, seed, width, height);
-        let labels = truth::labels(&sky, width, height);
-        Ok((image.pixels, labels))
+        let sky = skyfront_core::simulate::Sky::new(kind, seed, width, height).under(conditions);
+        Ok((truth::observed(sky, width, height).pixels, truth::labels(&sky, width, height)))
     })?;
     Ok((rows(py, image, width)?, rows(py, labels, width)?))
 }

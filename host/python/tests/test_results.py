@@ -156,8 +156,18 @@ def test_scores_and_skies_are_those_of_the_command_line(program, tmp_path):
         run("score", tmp_path / "truth.fits", tmp_path / "labels.fits", "--image", tmp_path / "sky.fits")
     )
     assert skyfront.score(truth, labels, image) == told
+    camera = ["--optics", "coma", "--lopsided", "--gradient", 3, "--full-well", 400, "--step", 0.5]
+    run("simulate", "--out", tmp_path, "--overwrite", "--side", 70, *camera)
+    image, truth = skyfront.simulate(
+        shape=(70, 70), optics="coma", lopsided=True, gradient=3, full_well=400, step=0.5
+    )
+    assert image.tobytes() == fits.getdata(tmp_path / "sky.fits").astype("f4").tobytes()
+    assert np.array_equal(truth, fits.getdata(tmp_path / "truth.fits"))
     with pytest.raises(skyfront.OptionError, match="kind"):
         skyfront.simulate("dark")
+    for setting in [{"optics": "bad"}, {"full_well": 0.0}, {"step": -1.0}, {"gradient": float("nan")}]:
+        with pytest.raises(skyfront.OptionError, match=next(iter(setting))):
+            skyfront.simulate(**setting)
     with pytest.raises(skyfront.OptionError, match="shape"):
         skyfront.simulate(shape=(4, 20))
     with pytest.raises(skyfront.OptionError, match="labels"):

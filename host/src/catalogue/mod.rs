@@ -3,6 +3,7 @@
 mod choice;
 mod columns;
 mod fits;
+mod gain;
 pub mod names;
 mod text;
 mod votable;
@@ -125,6 +126,8 @@ pub struct Catalogue {
     pub sky: Option<Sky>,
     /// Why the header's coordinates could not be used.
     pub refused: Option<String>,
+    /// Why the header's gain could not be used.
+    pub no_gain: Option<String>,
     /// Given places that the coordinates do not lead to.
     pub lost: usize,
     /// How the sources were measured, as header entries.
@@ -147,6 +150,7 @@ impl Catalogue {
             catalogue.entries.extend(more.entries.into_iter().filter_map(|entry| of_further(entry, band)));
             catalogue.rows.iter_mut().zip(more.rows).for_each(|(row, more)| row.bands.push(more));
             catalogue.refused = catalogue.refused.or(more.refused);
+            catalogue.no_gain = catalogue.no_gain.or(more.no_gain);
         }
         catalogue
     }
@@ -168,7 +172,8 @@ impl Catalogue {
         let noise = observed.noise.as_ref().or(maps.map(|maps| &maps.noise));
         extras.background = extras.background.or(level.map(|level| Level::Map(level.into())));
         extras.noise = extras.noise.or(noise.map(|noise| Level::Map(noise.into())));
-        extras.gain = extras.gain.or_else(|| image.real("GAIN")).filter(|&gain| gain > 0.0);
+        let in_header = if extras.gain.is_none() { gain::of_header(image) } else { Ok(None) };
+        extras.gain = extras.gain.or_else(|| in_header.clone().ok().flatten());
         extras.saturation = extras.saturation.or_else(|| image.real("SATURATE")).or_else(|| image.limit());
         extras.flags |= run_flags(&run.outcome) | if refused.is_some() { flags::NO_COORDINATES } else { 0 };
         let setting = Setting {
@@ -197,14 +202,14 @@ impl Catalogue {
             rows.iter_mut().for_each(|row| row.source.label = input.name_of(row.source.label));
         }
         let lost = rows.iter().filter(|row| row.shape.x.is_nan()).count();
-        Catalogue { columns, rows, lost, entries: entries(&scene, &extras), sky, refused }
+        Catalogue { columns, rows, lost, entries: entries(&scene, &extras), sky, refused, no_gain: in_header.err() }
     }
 
     /// What a user should know before trusting the columns.
     pub fn warnings(&self) -> impl Iterator<Item = String> {
         let text = |reason| format!("the header's coordinates are not supported ({reason}): ra, dec and pa are empty");
         let lost = (self.lost > 0).then(|| format!("{} places are not where the coordinates lead", self.lost));
-        self.refused.iter().map(text).chain(lost)
+        self.refused.iter().map(text).chain(self.no_gain.clone()).chain(lost)
     }
 
     /// How the sources were measured, by FITS keyword, as JSON.

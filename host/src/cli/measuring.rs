@@ -12,7 +12,8 @@ pub struct Measuring {
     /// Radii (not diameters) of circular apertures, pixels; a pixel counts with the exact area inside.
     #[arg(long, value_name = "R1,R2,..", value_delimiter = ',', value_parser = radius, help_heading = "Catalogue")]
     apertures: Vec<f64>,
-    /// Electrons in a unit of the image, for the errors [default: GAIN in the header, else unknown].
+    /// Electrons in a unit of the image, for the errors [default: EGAIN or GAIN in the header, else
+    /// unknown; a GAIN above 30 in an image of whole counts is a camera's setting, and not used].
     #[arg(long, value_name = "E", value_parser = above_zero, help_heading = "Catalogue")]
     gain: Option<f64>,
     /// Pixel value from which pixels are saturated [default: SATURATE in the header, else the

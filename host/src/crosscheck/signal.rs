@@ -340,11 +340,11 @@ impl Walk {
     }
 
     fn smooth(&mut self, after: &Left) {
-        let cut_off = self.facts.cut_off;
+        let facts = self.facts;
         let (fine, off) = self.smoothed(&after.signal, 0.8);
         self.plane("fine", &after.fine, &fine, &off);
-        self.noise = Tail::of(after.fine.values(), &after.masked, cut_off).noise;
-        let (spline, least) = reference::spline(&after.fine, &after.masked, cut_off);
+        self.noise = Tail::of(after.fine.values(), &after.masked, &facts).noise;
+        let (spline, least) = reference::spline(&after.fine, &after.masked, &facts);
         let off = after.fine.map(|v| bit(20) * v.abs() + 3.0 * self.grain);
         let smooth = Plane::from_fn(spline.width(), spline.height(), |i, j| {
             let (fine, spline, off) = (after.fine.at(i, j), spline.at(i, j), off.at(i, j));
@@ -380,7 +380,7 @@ impl Walk {
     }
 
     fn mask(&mut self, before: &Left, after: &Left) {
-        let tail = Tail::of(before.fine.values(), &before.masked, self.facts.cut_off);
+        let tail = Tail::of(before.fine.values(), &before.masked, &self.facts);
         let peak = tail.raised(3.5) * tail.noise;
         let border = 16.0 * self.grain + bit(20);
         let wrong = |marks: &Plane| {
@@ -508,9 +508,9 @@ impl Walk {
         let mut regions = Regions { labels: before.labels.clone(), table: std::mem::take(&mut self.regions.table) };
         // Where the two differ already, the core may have more.
         regions.table.resize(regions.table.len().max(before.regions.len()), Region::BLANK);
-        let (signal, masked, cut_off) = (&before.signal, &before.masked, self.facts.cut_off);
+        let (signal, masked) = (&before.signal, &before.masked);
         let run = |judge: &Judge| {
-            let cut = reference::cut(signal, core, masked, cut_off, &regions, &settings, judge);
+            let cut = reference::cut(signal, core, masked, &self.facts, &regions, &settings, judge);
             (cut.significance, reference::select(signal, core, &regions, cut, &settings, judge))
         };
         let slack = Slack { relative: bit(18), absolute: 2.0 * self.grain };
@@ -531,6 +531,7 @@ impl Walk {
         let whole = [
             fill != facts.fill,
             values.piled != facts.cut_off,
+            values.coarse != facts.coarse,
             values.defined != count(&self.defined),
             values.filled != filled,
             found.sources != self.sources,

@@ -21,7 +21,7 @@ use skyfront_core::run::memory::{self, Memory};
 use skyfront_core::run::outcome::{Outcome, Progress};
 use skyfront_core::front::scheme::{Evolve, Step};
 use skyfront_core::run::segmenter::Segmenter;
-use skyfront_core::simulate::{Kind, Sky};
+use skyfront_core::simulate::{Conditions, Kind, Sky};
 use skyfront_core::run::snapshot::{self, SnapshotError};
 use skyfront_core::run::stage::Stage;
 use skyfront_core::front::stop::{Change, StopRule};
@@ -154,8 +154,8 @@ fn room() -> usize {
 }
 
 #[unsafe(export_name = "simulate")]
-fn simulate(kind: Kind, seed: u32, width: usize, height: usize, y: usize, row: &mut [f32]) -> u32 {
-    let mut sky = Sky::new(kind, seed, width, height);
+fn simulate(kind: Kind, conditions: Conditions, seed: u32, size: (usize, usize), y: usize, row: &mut [f32]) -> u32 {
+    let mut sky = Sky::new(kind, seed, size.0, size.1).under(conditions);
     let Ok(()) = sky.row(y, row);
     sky.objects()
 }

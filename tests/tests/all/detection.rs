@@ -46,6 +46,27 @@ fn false_sources_are_as_many_as_expected() {
     }
 }
 
+/// Planes are mirrored at the border of an image, where noise would be found again and again.
+#[test]
+fn false_sources_do_not_gather_at_the_border() {
+    let outline = Config::NOISE_AWARE.outline;
+    let bare = Config {
+        outline: Outline { threshold: 0.5, ..outline },
+        significance: Significance { peak: 0.0, light: 0.0, false_share: 0.0, false_sources: 4.0 },
+        min_area: 1,
+        ..Config::NOISE_AWARE
+    };
+    // A third of the pixels are near the border.
+    let (width, height) = (1000, 12);
+    let mut found = 0;
+    for seed in 7..17 {
+        let pixels = &correlated(seed, width, 0.4)[..width * height];
+        found += run(&bare, pixels, width).outcome.sources;
+    }
+    // Three standard deviations.
+    assert!((21..=59).contains(&found), "{found} false sources where 40 are expected");
+}
+
 #[test]
 fn sky_and_noise_of_pure_noise_are_unbiased() {
     let side = 512;

@@ -142,8 +142,10 @@ fn a_star_is_found_in_a_tracking_window() {
 
 #[test]
 fn noise_in_whole_counts_has_at_most_two_sources() {
-    for (seed, noise, k) in [(30, 0.3, 0.0), (31, 0.5, 0.0), (32, 1.0, 0.0), (33, 3.0, 0.0), (34, 1.0, 0.4)] {
-        for part in [0.0, 0.5] {
+    let white = [(30, 0.3, 0.0), (31, 0.5, 0.0), (32, 1.0, 0.0), (33, 3.0, 0.0)];
+    let correlated_ones = [(34, 1.0, 0.4), (35, 0.3, 0.4), (36, 0.5, 0.4), (37, 0.3, 0.8)];
+    for (seed, noise, k) in white.into_iter().chain(correlated_ones) {
+        for part in [0.0, 0.25, 0.5] {
             let counts: Vec<f32> =
                 correlated(seed, 1000, k).iter().map(|value| (100.0 + part + noise * value).round()).collect();
             let found = run::<f32>(&counts, 1000).sources.len();

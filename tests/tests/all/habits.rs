@@ -364,3 +364,31 @@ fn an_image_is_not_scored_as_a_map() {
     assert_eq!(text.lines().count(), 1);
     assert_eq!(serde_json::from_str::<serde_json::Value>(&text).expect("JSON")["f_score"], 1.0);
 }
+
+/// Every condition changes the sky, and those that move light change who owns it.
+#[test]
+fn skies_are_made_as_telescopes_and_cameras_show_them() {
+    let folder = Folder::new("conditions");
+    let made = |name: &str, options: &[&str]| {
+        let out = folder.file(name);
+        let output = skyfront(["simulate", "--side", "60", "--out", &out].iter().chain(options));
+        assert!(output.status.success(), "{}", messages(&output));
+        ["sky.fits", "truth.fits"].map(|file| fs::read(folder.path().join(name).join(file)).expect("a plane"))
+    };
+    let [sky, truth] = made("perfect", &[]);
+    let options: [(&[&str], bool); 7] = [
+        (&["--optics", "coma"], true),
+        (&["--optics", "trail"], true),
+        (&["--optics", "ring"], true),
+        (&["--lopsided"], true),
+        (&["--gradient", "-5"], false),
+        (&["--full-well", "40"], true),
+        (&["--step", "0.5"], false),
+    ];
+    for (option, moves) in options {
+        let [shown, owned] = made(&option.join(""), option);
+        assert!(shown != sky && (owned != truth) == moves, "{option:?}");
+    }
+    let refused = skyfront(["simulate", "--out", &folder.file("refused"), "--step", "0"]);
+    assert!(refused.status.code() == Some(2) && messages(&refused).contains("--step"));
+}

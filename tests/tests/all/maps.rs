@@ -4,6 +4,7 @@ use skyfront::read::image;
 use skyfront::write::Entry;
 use skyfront::write::fits::Writer;
 use skyfront_tests::command::{Folder, messages, skyfront};
+use skyfront_tests::fits_bytes::{Header, samples};
 use std::fs;
 use std::path::Path;
 
@@ -232,6 +233,32 @@ fn sources_found_in_one_image_are_measured_in_another() {
     assert!((value("two", "mean")[first] / mean - 1.0).abs() < 1e-8, "the mean is of the defined pixels");
     let table = image(folder.file("two/segmentation.fits").as_ref(), None).expect("a map").header;
     assert_eq!(table.text("SFMEAS"), Some(other));
+}
+
+/// Electrons are in EGAIN where a camera has its setting in GAIN; a setting that stands alone is not believed.
+#[test]
+fn a_camera_s_setting_is_no_gain() {
+    let folder = Folder::new("gain");
+    let path = folder.file("counts.fits");
+    let counts: Vec<f64> = (0..SIDE * SIDE).map(|at| f64::from(sky(0.5)(at % SIDE, at / SIDE).round())).collect();
+    let told = |bitpix: i32, keys: &[(&str, f64)], options: &[&str]| {
+        let primary = Header::primary(bitpix, &[SIDE as u64, SIDE as u64]);
+        let header = keys.iter().fold(primary, |header, &(key, value)| header.card(key, value));
+        fs::write(&path, header.with(samples(bitpix, &counts))).expect("a file");
+        let out = folder.file("out");
+        let line = ["segment", &path, "--out", &out, "--no-pictures", "--overwrite"];
+        let output = skyfront(line.iter().chain(options));
+        assert!(output.status.success(), "{}", messages(&output));
+        let summary = fs::read_to_string(folder.file("out/summary.json")).expect("a summary");
+        let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+        (summary["measuring"]["SFGAIN"].as_f64(), messages(&output).contains("GAIN = 120"))
+    };
+    assert_eq!(told(16, &[("GAIN", 2.5)], &[]), (Some(2.5), false));
+    assert_eq!(told(16, &[("GAIN", 120.0)], &[]), (None, true), "a setting");
+    assert_eq!(told(16, &[("GAIN", 120.0), ("EGAIN", 0.9)], &[]), (Some(0.9), false));
+    assert_eq!(told(16, &[("GAIN", 120.0)], &["--gain", "0.8"]), (Some(0.8), false));
+    assert_eq!(told(-32, &[("GAIN", 120.0)], &[]), (Some(120.0), false), "seconds of a sum");
+    assert_eq!(told(16, &[("GAIN", 0.0)], &[]), (None, false));
 }
 
 /// One set of columns for each image, and the first with the plain names.

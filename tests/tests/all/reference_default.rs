@@ -59,6 +59,9 @@ fn a_lone_pixel_is_a_spike_and_a_star_is_none() {
     assert_eq!(without_spikes(&star, &Judge::exact()), star);
 }
 
+/// Nothing is known of the values.
+const EVEN: Facts = Facts { fill: None, step: 0.0, cut_off: false, coarse: false, resolution: 0.0 };
+
 /// A Gaussian of standard deviation s makes white noise `1 / (2 sqrt(pi) s)` as large, up to the pixels.
 #[test]
 fn smoothing_keeps_light_and_takes_noise() {
@@ -66,7 +69,7 @@ fn smoothing_keeps_light_and_takes_noise() {
     assert!((point.values().iter().sum::<f64>() - 1.0).abs() < 1e-12);
     let pixels = sky(4, |_, _, noise| noise);
     let smooth = smoothed(&Plane::from_fn(SIDE, SIDE, |i, j| pixels[j as usize * SIDE + i as usize]), 1.7);
-    let tail = Tail::of(smooth.values(), &[false; SIDE * SIDE], false);
+    let tail = Tail::of(smooth.values(), &[false; SIDE * SIDE], &EVEN);
     let expected = 1.0 / (2.0 * std::f64::consts::PI.sqrt() * 1.7);
     assert!((tail.noise / expected - 1.0).abs() < 0.05 && tail.skewness == 0.0, "{tail:?}, not {expected}");
 }
@@ -75,8 +78,22 @@ fn smoothing_keeps_light_and_takes_noise() {
 #[test]
 fn a_long_tail_raises_heights() {
     let values: Vec<f64> = (0..10_000).map(|n| -((f64::from(n) + 0.5) / 1e4).ln() - 1.0).collect();
-    let tail = Tail::of(&values, &[false; 10_000], true);
+    let tail = Tail::of(&values, &[false; 10_000], &Facts { cut_off: true, ..EVEN });
     assert!((tail.skewness - 1.7).abs() < 0.3 && (tail.raised(4.0) - 4.0 - 2.5 * tail.skewness).abs() < 1e-12);
+}
+
+/// One pixel in twenty each is a step of 3 noise units above and below a level plane.
+#[test]
+fn patches_of_coarse_noise_are_noise() {
+    let value = |n| match n % 20 {
+        0 => -3.0,
+        1 => 3.0,
+        _ => 0.0,
+    };
+    let values: Vec<f64> = (0..10_000).map(value).collect();
+    let noise = |facts| Tail::of(&values, &[false; 10_000], facts).noise;
+    assert_eq!(noise(&EVEN), 0.0);
+    assert!((noise(&Facts { coarse: true, ..EVEN }) - 3.0 / 3.090232).abs() < 1e-9);
 }
 
 #[test]

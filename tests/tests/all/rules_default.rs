@@ -8,7 +8,7 @@ use skyfront::reference::noise_aware::{Settings, Smoothing};
 use skyfront_core::arithmetic::{F32, Fixed14, Q24};
 use skyfront_core::config::{Background, Config, Connectivity, Filter, Select, Separate};
 use skyfront_core::simulate::Kind;
-use skyfront_tests::noise::{add_star, gaussian};
+use skyfront_tests::noise::{add_star, correlated, gaussian};
 use skyfront_tests::runs::sky;
 
 const WIDTH: usize = 140;
@@ -55,6 +55,14 @@ fn cut_off() -> Vec<f32> {
         .collect()
 }
 
+/// Whole counts of noise below a step, of which neighbours share a part, with stars, some of them at the border.
+fn coarse() -> Vec<f32> {
+    let noise = correlated(13, WIDTH, 0.4);
+    let mut light: Vec<f32> = noise[..WIDTH * HEIGHT].iter().map(|noise| 20.0 + 0.4 * noise).collect();
+    (0..12).for_each(|n| add_star(&mut light, WIDTH, (12.4 * n as f32, 11.0 * n as f32 - 0.4), 1.4, 3.0 + n as f32));
+    light.into_iter().map(f32::round).collect()
+}
+
 /// Half of the frame filled with zeros.
 fn filled() -> Vec<f32> {
     let seen = |(at, pixel): (usize, f32)| if at % WIDTH < WIDTH / 2 { 0.0 } else { 500.0 + pixel };
@@ -99,6 +107,7 @@ fn every_choice_is_the_reference_s() {
         sky(Kind::Stars, 3, WIDTH, HEIGHT),
         counts(),
         cut_off(),
+        coarse(),
         filled(),
     ];
     let default = Config::NOISE_AWARE;

@@ -11,6 +11,8 @@ pub struct Facts {
     pub step: f64,
     /// Whether a tenth of them have the least one.
     pub cut_off: bool,
+    /// Whether more than four tenths of them have one value.
+    pub coarse: bool,
     /// What the numbers resolve.
     pub resolution: f64,
 }
@@ -29,6 +31,7 @@ impl Facts {
             fill,
             step: if step.is_finite() { step } else { 0.0 },
             cut_off: rest.first().is_some_and(|least| 10 * least.1 > total),
+            coarse: rest.iter().any(|run| 10 * run.1 > 4 * total),
             resolution: range_of_pairs(pixels, width, fill) / f64::from(1 << 20),
         }
     }

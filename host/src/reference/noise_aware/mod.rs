@@ -150,8 +150,8 @@ pub fn run(
         }
         let signal = without_spikes(&signal(pixels, &defined, &mesh, width), judge);
         let fine = smoothed(&signal, 0.8);
-        let tail = Tail::of(fine.values(), &masked, facts.cut_off);
-        let smooth = by_need(&fine, &masked, facts.cut_off);
+        let tail = Tail::of(fine.values(), &masked, &facts);
+        let smooth = by_need(&fine, &masked, &facts);
         if round < 2 {
             let marks = marks(&fine, &smooth, settings.threshold, tail.raised(3.5) * tail.noise, judge);
             masked = marks.values().iter().zip(&signals).map(|(&mark, signal)| mark > MASKED || !signal).collect();
@@ -175,7 +175,7 @@ pub fn run(
         };
         drop_undefined(&mut regions.labels, &defined);
         let matched = matched(&signal);
-        let cut = cut(&signal, &matched, &masked, facts.cut_off, &regions, settings, judge);
+        let cut = cut(&signal, &matched, &masked, &facts, &regions, settings, judge);
         let (labels, sources) = select(&signal, &matched, &regions, cut, settings, judge);
         return Ok(Found { facts, mesh, signal, smooth, masked, photon, front, cut, labels, sources });
     }

@@ -1,17 +1,15 @@
 //! Selection (`default.md`, 7).
 
 use super::smooth::{Tail, sharpened, smoothed};
-use super::{Judge, Plane, Regions, Settings};
+use super::{Facts, Judge, Plane, Regions, Settings};
 
 /// The cut on significance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cut {
     /// The height in noise units of the matched image.
     pub significance: f64,
-    /// The same in noise units of a pixel, or `--min-peak` times the threshold where that is more.
+    /// The same in noise units of a pixel.
     pub least: f64,
-    /// The same, or half of that, for what stands out in the narrow image.
-    pub lenient: f64,
     /// The peak from which on a source stands out there.
     pub narrow: f64,
 }
@@ -26,11 +24,13 @@ fn narrow(signal: &Plane) -> Plane {
     sharpened(&smoothed(signal, 1.7), 3.4, 3.0)
 }
 
-/// What a source is asked about: its pixels, its peaks in the matched and in the narrow image, and its light.
+/// What a source is asked about: its pixels, its peak in the matched image, the same where the border's pixels count for
+/// less, its peak in the narrow image, and its light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Sums {
     area: usize,
     peak: f64,
+    even_peak: f64,
     narrow: f64,
     light: f64,
 }
@@ -38,10 +38,18 @@ struct Sums {
 fn sums(signal: &Plane, matched: &Plane, regions: &Regions) -> Vec<Sums> {
     let mut sums = vec![Sums::default(); regions.table.len()];
     let narrow = narrow(signal);
+    let of_axis = |at: usize, length: usize| match at.min(length - 1 - at) {
+        0 => 0.8,
+        1 => 0.92,
+        _ => 1.0,
+    };
+    let (width, height) = (matched.width(), matched.height());
+    let weight = |at: usize| of_axis(at % width, width) * of_axis(at / width, height);
     for (at, &label) in regions.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
         let sum = &mut sums[label as usize - 1];
         sum.area += 1;
         sum.peak = sum.peak.max(matched.values()[at]);
+        sum.even_peak = sum.even_peak.max(matched.values()[at] * weight(at));
         sum.narrow = sum.narrow.max(narrow.values()[at]);
         sum.light += signal.values()[at];
     }
@@ -57,9 +65,12 @@ fn sources(sums: &[Sums], regions: &Regions, cut: Cut, settings: &Settings, judg
         let part = settings.min_area + 2 * settings.min_area / 3;
         let area = if region.divided.is_some() { part } else { settings.min_area };
         let stands_out = region.divided.is_none() && !judge.exceeds(cut.narrow, sum.narrow);
-        let (least, part) = if stands_out { (cut.lenient, 0.5) } else { (cut.least, 1.0) };
+        let part = if stands_out { 0.5 } else { 1.0 };
         let area = if stands_out { settings.min_area - settings.min_area / 3 } else { area };
-        sum.area >= area && !judge.exceeds(least, sum.peak) && !judge.exceeds(part * settings.light, sum.light)
+        sum.area >= area
+            && !judge.exceeds(cut.least, sum.even_peak)
+            && !judge.exceeds(part * settings.peak * settings.threshold, sum.peak)
+            && !judge.exceeds(part * settings.light, sum.light)
     };
     sums.iter().zip(&regions.table).map(is_source).collect()
 }
@@ -80,20 +91,20 @@ pub fn cut(
     signal: &Plane,
     matched: &Plane,
     masked: &[bool],
-    cut_off: bool,
+    facts: &Facts,
     regions: &Regions,
     settings: &Settings,
     judge: &Judge,
 ) -> Cut {
     let values = matched.values();
-    let tail = Tail::of(values, masked, cut_off);
+    let tail = Tail::of(values, masked, facts);
     let width = matched.width();
     let step = |at: usize| {
         let next = if (at + 1).is_multiple_of(width) { at.checked_sub(1) } else { Some(at + 1) };
         next.map_or(0.0, |next| values[next]) - values[at]
     };
     let steps: Vec<f64> = (0..values.len()).map(step).collect();
-    let slope = Tail::of(&steps, masked, cut_off).noise;
+    let slope = Tail::of(&steps, masked, facts).noise;
     let roughness = if tail.noise > 0.0 { slope / tail.noise } else { 0.0 };
     let elements = values.len() as f64 * roughness * roughness;
     let sums = sums(signal, matched, regions);
@@ -101,12 +112,11 @@ pub fn cut(
     if !settings.by_significance {
         return Cut::default();
     }
-    let narrow_noise = Tail::of(narrow(signal).values(), masked, cut_off).noise;
+    let narrow_noise = Tail::of(narrow(signal).values(), masked, facts).noise;
     let (mut allowed, mut cut) = (settings.false_sources, Cut::default());
     for _ in 0..4 {
         let significance = tail.raised(height(elements, allowed));
-        let least = |part: f64| (significance * tail.noise).max(part * settings.peak * settings.threshold);
-        cut = Cut { significance, least: least(1.0), lenient: least(0.5), narrow: 1.2 * significance * narrow_noise };
+        cut = Cut { significance, least: significance * tail.noise, narrow: 1.2 * significance * narrow_noise };
         let kept = sources(&sums, regions, cut, settings, judge).iter().filter(|&&kept| kept).count();
         allowed = allowed.max(settings.false_share * kept as f64);
     }

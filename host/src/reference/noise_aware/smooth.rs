@@ -1,6 +1,6 @@
 //! Smoothing, the noise of what is smooth, and the mask of sources (`default.md`, 2 and 3).
 
-use super::{Judge, Plane, median, neighbours, sample};
+use super::{Facts, Judge, Plane, median, neighbours, sample};
 
 /// The weights of a Gaussian from its centre outwards.
 fn gauss(scale: f64) -> Vec<f64> {
@@ -37,16 +37,16 @@ pub fn sharpened(plane: &Plane, scale: f64, part: f64) -> Plane {
 }
 
 /// The fine image smoothed by the spline, and the least difference of the two that is kept.
-pub fn spline(fine: &Plane, masked: &[bool], cut_off: bool) -> (Plane, f64) {
+pub fn spline(fine: &Plane, masked: &[bool], facts: &Facts) -> (Plane, f64) {
     let spline = convolved(fine, &[6.0 / 16.0, 4.0 / 16.0, 1.0 / 16.0]);
     let detail: Vec<f64> = fine.values().iter().zip(spline.values()).map(|(fine, smooth)| fine - smooth).collect();
-    let least = 1.7 * Tail::of(&detail, masked, cut_off).noise;
+    let least = 1.7 * Tail::of(&detail, masked, facts).noise;
     (spline, least)
 }
 
 /// Smoothed beyond the fine image where nothing significant is lost.
-pub fn by_need(fine: &Plane, masked: &[bool], cut_off: bool) -> Plane {
-    let (spline, least) = spline(fine, masked, cut_off);
+pub fn by_need(fine: &Plane, masked: &[bool], facts: &Facts) -> Plane {
+    let (spline, least) = spline(fine, masked, facts);
     Plane::from_fn(fine.width(), fine.height(), |i, j| {
         let (fine, smooth) = (fine.at(i, j), spline.at(i, j));
         if (fine - smooth).abs() < least { smooth } else { fine }
@@ -64,7 +64,7 @@ pub struct Tail {
 
 impl Tail {
     /// Of values where they are not masked.
-    pub fn of(values: &[f64], masked: &[bool], cut_off: bool) -> Tail {
+    pub fn of(values: &[f64], masked: &[bool], facts: &Facts) -> Tail {
         let mut sky: Vec<f64> = sample(values.len()).filter(|&at| !masked[at]).map(|at| values[at]).collect();
         sky.sort_by(f64::total_cmp);
         let (n, half) = (sky.len(), sky.len() / 2);
@@ -73,10 +73,13 @@ impl Tail {
         }
         let middle = median(&sky);
         let (lower, upper) = (middle - sky[half - 1 - half / 2], sky[n - half + half / 2] - middle);
-        if !cut_off {
+        if !facts.cut_off && !facts.coarse {
             return Tail { noise: 1.4826 * lower, skewness: 0.0 };
         }
-        let noise = 1.4826 * lower.max(0.5 * (lower + upper));
+        let mut noise = 1.4826 * if facts.cut_off { lower.max(0.5 * (lower + upper)) } else { lower };
+        if facts.coarse {
+            noise = noise.max((middle - sky[n / 1000]) / 3.090232).max(clipped(&sky));
+        }
         let all = values.iter().zip(masked).filter(|(_, masked)| !**masked).map(|(value, _)| *value);
         Tail { noise, skewness: skewness(&all.filter(|value| value.abs() <= 6.0 * noise).collect::<Vec<_>>()) }
     }
@@ -85,6 +88,22 @@ impl Tail {
     pub fn raised(&self, z: f64) -> f64 {
         z + self.skewness * (z * z - 1.0) / 6.0
     }
+}
+
+/// The standard deviation of values within five of the mean, which is 1 at first.
+fn clipped(values: &[f64]) -> f64 {
+    let (mut mean, mut noise, mut kept) = (0.0, 1.0, 0);
+    for _ in 0..10 {
+        let near: Vec<f64> = values.iter().copied().filter(|v| (v - mean).abs() <= 5.0 * noise).collect();
+        let mean_of = |f: &dyn Fn(f64) -> f64| near.iter().map(|&v| f(v)).sum::<f64>() / near.len().max(1) as f64;
+        mean = mean_of(&|v| v);
+        noise = mean_of(&|v| (v - mean).powi(2)).sqrt();
+        if near.len() == kept {
+            break;
+        }
+        kept = near.len();
+    }
+    noise
 }
 
 fn skewness(values: &[f64]) -> f64 {

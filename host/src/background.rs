@@ -7,6 +7,16 @@ use skyfront_core::plane::sort::{Keys, SAMPLES};
 use skyfront_core::sky::{CELL, Mesh, Seen, Sky, Values, cell_pixels, mesh_cells};
 
 /// Maps of one shape, row-major, in units of the image; NaN where nothing is known.
+///
+/// ```
+/// use skyfront::background::SkyMaps;
+/// use skyfront::truth::simulated;
+/// use skyfront_core::simulate::Kind;
+///
+/// let (image, truth) = simulated(Kind::Noisy, 1, 256, 256);
+/// let sky = SkyMaps::measure(&image.pixels, &[], 256);
+/// assert!((sky.noise[0] / truth.sigma() - 1.0).abs() < 0.2);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyMaps {
     /// The background level.

@@ -8,6 +8,15 @@ use skyfront_core::config::Config;
 use skyfront_core::error::Error;
 
 /// Named settings.
+///
+/// ```
+/// use skyfront::choices::Preset;
+///
+/// for preset in Preset::ALL {
+///     println!("{:12} {:?}", preset.name(), preset.config().scheme);
+/// }
+/// assert_eq!(Preset::default(), Preset::NoiseAware);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Preset {
@@ -58,6 +67,19 @@ impl Preset {
 }
 
 /// `--arithmetic`.
+///
+/// ```
+/// use skyfront::choices::{ArithmeticOption, Preset};
+/// use skyfront::pipeline::Drive;
+/// use skyfront::truth::simulated;
+/// use skyfront_core::simulate::Kind;
+///
+/// let (image, _) = simulated(Kind::Bright, 5, 96, 96);
+/// let config = Preset::NoiseAware.config();
+/// let run = ArithmeticOption::Q24.segment(&config, &image, &mut Drive::default())?;
+/// assert!(!run.sources.is_empty());
+/// # Ok::<(), skyfront_core::error::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum ArithmeticOption {

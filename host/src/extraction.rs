@@ -3,7 +3,7 @@
 use crate::background::SkyMaps;
 use crate::evolution::segment_in;
 use crate::nothing::without_front;
-use crate::planes::{SignalRoom, most_room_rows};
+use crate::planes::{SignalRoom, most_room_rows, room_for};
 use crate::remarks;
 use crate::segmentation::{Drive, Segmentation, StagePlanes};
 use crate::workers::{Threads, in_groups};
@@ -235,7 +235,11 @@ fn give_front<L: Level>(run: &Extractor<'_, '_, L>, drive: &mut Drive<'_>) -> Ve
             take(&|first, out| (first..).zip(out).for_each(|(at, out)| *out = run.front(at).to_f32()));
             Vec::new()
         }
-        None => (0..run.image().len()).map(|at| run.front(at).to_f32()).collect(),
+        None => {
+            let mut front = room_for(run.image().len());
+            front.extend((0..run.image().len()).map(|at| run.front(at).to_f32()));
+            front
+        }
     }
 }
 

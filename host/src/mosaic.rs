@@ -92,6 +92,47 @@ impl Answers {
 }
 
 /// A part that asks.
+///
+/// ```
+/// use skyfront::mosaic::{Answers, Asking, answer};
+/// use skyfront::pipeline::{Drive, segment};
+/// use skyfront::truth::simulated;
+/// use skyfront_core::config::Config;
+/// use skyfront_core::error::Error;
+/// use skyfront_core::plane::part::{Part, Whole};
+/// use skyfront_core::simulate::Kind;
+/// use std::collections::BTreeMap;
+///
+/// const SIDE: usize = 128;
+/// let (image, _) = simulated(Kind::Bright, 5, SIDE, SIDE);
+/// // Two halves, without a halo; both are asked until all questions have answers.
+/// let halves = [0, SIDE / 2].map(|row| &image.pixels[row * SIDE..][..SIDE * SIDE / 2]);
+/// let mut answers = Answers::default();
+/// let labels = loop {
+///     let (mut labels, mut contributions) = (Vec::new(), Vec::new());
+///     for (half, row) in halves.into_iter().zip([0, SIDE / 2]) {
+///         let (columns, rows) = (0..SIDE, row..row + SIDE / 2);
+///         let part = Part { image: (SIDE, SIDE), origin: (0, row), columns, rows };
+///         let asking = Asking::new(part, &answers);
+///         let mut drive = Drive { whole: Some(&asking as &dyn Whole), ..Drive::default() };
+///         match segment(&Config::NOISE_AWARE, half, SIDE, SIDE / 2, &mut drive) {
+///             Ok(run) => labels.extend(run.labels),
+///             Err(Error::Waiting) => contributions.extend(asking.contributions()),
+///             Err(error) => return Err(error),
+///         }
+///     }
+///     if contributions.is_empty() {
+///         break labels;
+///     }
+///     let mut questions: BTreeMap<String, Vec<Vec<u8>>> = BTreeMap::new();
+///     for (name, own) in contributions {
+///         questions.entry(name).or_default().push(own);
+///     }
+///     questions.iter().for_each(|(name, own)| answers.take(name, &answer(name, own)));
+/// };
+/// assert_eq!(labels.len(), SIDE * SIDE);
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Asking<'a> {
     part: Part,

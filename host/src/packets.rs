@@ -76,6 +76,14 @@ impl fmt::Display for Name {
 }
 
 /// The packets of a file.
+///
+/// ```
+/// use skyfront::packets::Received;
+///
+/// // Bytes that are no packet are told, not guessed at.
+/// let received = Received::of(b"noise on the line");
+/// assert_eq!(received.packets(), 0);
+/// ```
 #[derive(Debug, Default)]
 pub struct Received<'a> {
     products: BTreeMap<Name, BTreeMap<u32, Contents<'a>>>,

@@ -159,9 +159,16 @@ pub fn thread_can_be_had() -> bool {
 /// A plane of `len` cells, in large pages where the system has them: the front touches every row
 /// of a frame again and again, and ordinary pages are too many for the processor's page table.
 pub fn plane<T: Copy>(len: usize, cell: T) -> Vec<T> {
+    let mut plane = room_for(len);
+    plane.resize(len, cell);
+    plane
+}
+
+/// Room for a plane of `len` numbers that are written once, in large pages where the system has them: to get
+/// it in ordinary pages takes ten times as long as to write to it.
+pub fn room_for<T>(len: usize) -> Vec<T> {
     let mut plane: Vec<T> = Vec::with_capacity(len);
     ask_for_large_pages(&mut plane);
-    plane.resize(len, cell);
     plane
 }
 

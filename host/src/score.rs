@@ -4,6 +4,14 @@
 use std::collections::BTreeMap;
 
 /// The measures of one label map.
+///
+/// ```
+/// use skyfront::score::score;
+///
+/// let (truth, image) = ([1, 1, 0, 0, 2, 2], [5.0, 9.0, 0.0, 0.0, 7.0, 4.0]);
+/// let found = score(&truth, &[1, 1, 0, 0, 0, 0], &image);
+/// assert_eq!((found.objects, found.matched, found.completeness, found.purity), (2, 1, 0.5, 1.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
     /// Objects of the truth.

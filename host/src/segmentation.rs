@@ -69,6 +69,23 @@ pub type Values<'a> = dyn Fn(usize, &mut [f32]) + 'a;
 pub type TakeFront<'a> = dyn FnMut(&Values<'_>) + 'a;
 
 /// How a run is driven, which changes nothing in its result, and what it is given beside the image.
+///
+/// ```
+/// use skyfront::pipeline::{Drive, segment};
+/// use skyfront::truth::simulated;
+/// use skyfront_core::config::Config;
+/// use skyfront_core::run::outcome::Progress;
+/// use skyfront_core::simulate::Kind;
+///
+/// let (image, _) = simulated(Kind::Bright, 5, 96, 96);
+/// let (noise, mut polls) = (vec![8e-4; 96 * 96], 0);
+/// let mut watch = |_: &Progress| polls += 1;
+/// let (noise, watch) = (Some(&noise[..]), Some(&mut watch as _));
+/// let mut drive = Drive { noise, watch, threads: 2, keep_stages: true, ..Drive::default() };
+/// let run = segment(&Config::NOISE_AWARE, &image.pixels, 96, 96, &mut drive)?;
+/// assert!(polls > 0 && run.stages.is_some());
+/// # Ok::<(), skyfront_core::error::Error>(())
+/// ```
 pub struct Drive<'a> {
     /// Sky of every pixel, for a run on signal-to-noise.
     pub background: Option<&'a [f32]>,

@@ -45,11 +45,7 @@ pub const FLAGS: [Flag; 11] = [
     flag(LIMIT, "limit", "the front was given up at t_max: outlines may be too wide"),
     flag(NO_ROOM, "no-room", "the table of labels or the catalogue was full: sources or pixels are missing"),
     flag(NO_FLUX, "no-flux", "no pixel stands above the background: centroid and shape are those of the pixels"),
-    flag(
-        APERTURE,
-        "aperture",
-        "an aperture reaches beyond the image or over undefined pixels, or Kron's is cut at 64 times the source's area",
-    ),
+    flag(APERTURE, "aperture", "an aperture reaches beyond the image or over undefined pixels, or Kron's is cut short"),
     flag(NEIGHBOUR, "neighbour", "the Kron or another aperture reaches into other sources"),
     flag(
         NO_COORDINATES,

@@ -51,7 +51,8 @@ class Segmentation:
     convergence : float32 array
         The norm of every step's change, where a front ran until it stopped.
     summary : dict
-        Version, parameters, what was found; as the command line's summary.json.
+        Version, parameters, what was found; as the command line's summary.json. `engine_seconds` is the time of the
+        run itself, without what is done for Python.
     warnings : list of str
         What must be known of the image to judge the sources.
     """

@@ -4,6 +4,7 @@ use numpy::ndarray::ArrayView2;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use skyfront::planes::room_for;
 
 /// A number of an array.
 trait Sample: Element + Copy {
@@ -81,7 +82,7 @@ pub fn plane(array: &Bound<'_, PyAny>, swapped: bool) -> PyResult<Plane> {
 
 fn copied<T: Sample>(array: &ArrayView2<'_, T>, swapped: bool) -> Plane {
     let (height, width) = array.dim();
-    let mut values = Vec::with_capacity(width * height);
+    let mut values = room_for(width * height);
     for row in array.rows() {
         match (row.as_slice(), swapped) {
             (Some(row), false) => values.extend(row.iter().map(|&value| value.single())),

@@ -100,9 +100,12 @@ impl Job<'_> {
             let arithmetic = named(&ArithmeticOption::ALL, ArithmeticOption::name, "arithmetic", &self.arithmetic)?;
             let config = self.config(arithmetic, size, start.is_some())?;
             let mut input = Input::alone("array", self.image(pixels));
-            let before = defined(&input.detected.image);
-            lay_over(&mut input, mask, background, weight)?;
-            input.removed = before - defined(&input.detected.image);
+            // Most images come alone: then two looks at every pixel are spared.
+            if mask.is_some() || background.is_some() || weight.is_some() {
+                let before = defined(&input.detected.image);
+                lay_over(&mut input, mask, background, weight)?;
+                input.removed = before - defined(&input.detected.image);
+            }
             input.start = start.map(|map| self.start(&map, size)).transpose()?;
             input.segmentation = labels.map(|map| label_map(&map, size)).transpose()?;
             let part = self.part(&config, arithmetic)?;

@@ -7,8 +7,9 @@ use crate::watch::{Wanted, watched};
 use numpy::{IntoPyArray, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
+use serde_json::{Value, json};
 use skyfront::background::SkyMaps;
-use skyfront::catalogue::{Catalogue, Request, Value};
+use skyfront::catalogue::{self, Catalogue, Request};
 use skyfront::given;
 use skyfront::input::Input;
 use skyfront::measure::Measured;
@@ -23,6 +24,7 @@ use skyfront_core::plane::part::{Part, Whole};
 use skyfront_core::run::outcome::Progress;
 use std::mem::take;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// A column of the catalogue.
 struct Column {
@@ -44,7 +46,7 @@ struct Done {
     request: Request,
     /// Where it lies in a mosaic.
     part: Option<Part>,
-    summary: String,
+    summary: Value,
     warnings: Vec<String>,
     connectivity: Connectivity,
 }
@@ -58,7 +60,8 @@ struct Kept {
     input: Input,
     request: Request,
     part: Option<Part>,
-    digest: u32,
+    /// That of the labels, as the summary tells it.
+    digest: Value,
 }
 
 /// What comes of a run.
@@ -105,6 +108,7 @@ impl Task {
             watch: Some(&mut watch),
             ..Drive::default()
         };
+        let began = Instant::now();
         let run = match input.is_given() {
             true => Ok(given::segment(&input, arithmetic.name(), stages)),
             false => arithmetic.segment(&config, &input.detected.image, &mut drive),
@@ -113,14 +117,15 @@ impl Task {
             (Err(Error::Waiting), Some(asking)) => return Ok(Outcome::Asked(asking.contributions())),
             (run, _) => run?,
         };
+        let took = began.elapsed();
         let part = part.map(|(part, _)| part);
         wanted.or_end();
         let parts: Vec<_> =
             run.seconds.iter().map(|(stage, time)| (format!("{stage:?}").to_lowercase(), *time)).collect();
-        let summary = summary(&config, &input, &run, &parts);
+        let mut summary = summary(&config, &input, &run, &parts);
+        summary["engine_seconds"] = json!(took.as_secs_f64());
         let warnings = run.remarks.iter().cloned().chain(limits(&run.outcome)).collect();
         let connectivity = config.connectivity;
-        let summary = summary.to_string();
         Ok(Outcome::Done(Box::new(Done { run, input, request, part, summary, warnings, connectivity })))
     }
 }
@@ -172,8 +177,8 @@ fn is_beyond(row: &Measured, aperture: f64, part: &Part, (width, height): (usize
 /// A column with the numbers that every format of the command line tells.
 fn column(catalogue: &Catalogue, column: &skyfront::catalogue::Column) -> Column {
     let cells = match &column.value {
-        Value::Integer(value) => Cells::Integers(catalogue.rows.iter().map(value).collect()),
-        Value::Real(..) => {
+        catalogue::Value::Integer(value) => Cells::Integers(catalogue.rows.iter().map(value).collect()),
+        catalogue::Value::Real(..) => {
             let real = |row| column.text(row).parse().unwrap_or(f64::NAN);
             Cells::Reals(catalogue.rows.iter().map(real).collect())
         }
@@ -188,7 +193,6 @@ impl Done {
         let Done { mut run, mut input, request, part, summary, warnings, connectivity } = self;
         let width = run.width;
         let dict = PyDict::new(py);
-        let digest = label_digest(&run.labels);
         if let Some(part) = &part {
             let seen = Seen::of(&run, part);
             dict.set_item("firsts", seen.firsts.into_pyarray(py))?;
@@ -210,9 +214,10 @@ impl Done {
         }
         dict.set_item("stages", planes)?;
         dict.set_item("convergence", take(&mut run.convergence).into_pyarray(py))?;
-        dict.set_item("summary", summary)?;
+        dict.set_item("summary", summary.to_string())?;
         dict.set_item("warnings", warnings)?;
         dict.set_item("connectivity", connectivity.neighbours())?;
+        let digest = summary["labels_crc32"].clone();
         dict.set_item("sources", Unmeasured(Arc::new(Kept { run, input, request, part, digest })))?;
         Ok(dict)
     }
@@ -242,7 +247,7 @@ type Told = (Vec<Column>, String, Vec<String>);
 
 impl Kept {
     fn measure(&self, labels: Vec<u32>, level: Option<Plane>, noise: Option<Plane>) -> Result<Told, Failure> {
-        if label_digest(&labels) != self.digest {
+        if self.digest != format!("{:08x}", label_digest(&labels)) {
             let reason = "they were changed before the catalogue was asked for; measure(image, labels) takes any map";
             return Err(Failure::Option("labels", reason.to_owned()));
         }

@@ -13,6 +13,15 @@ const USUAL: &str = "default";
 const ALL: &str = "all";
 
 /// Columns by their names, in order; the usual ones where none is named.
+///
+/// ```
+/// use skyfront::catalogue::Choice;
+///
+/// let choice = Choice::new(&["label".to_owned(), "flux_kron".to_owned()])?;
+/// assert!(!choice.magnitudes() && !choice.apertures());
+/// assert!(Choice::new(&["flux_krom".to_owned()]).is_err());
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice(Vec<String>);
 

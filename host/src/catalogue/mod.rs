@@ -95,6 +95,28 @@ impl Default for Request {
 }
 
 /// The sources of a run with their columns.
+///
+/// ```
+/// use skyfront::catalogue::{Catalogue, Choice, Request};
+/// use skyfront::input::Input;
+/// use skyfront::pipeline::{Drive, segment};
+/// use skyfront::truth::simulated;
+/// use skyfront_core::config::Config;
+/// use skyfront_core::simulate::Kind;
+///
+/// let input = Input::alone("sky", simulated(Kind::Bright, 5, 96, 96).0);
+/// let pixels = &input.detected.image.pixels;
+/// let run = segment(&Config::NOISE_AWARE, pixels, 96, 96, &mut Drive::default())?;
+/// let names = ["label", "x", "y", "flux_kron"].map(str::to_owned);
+/// let columns = Choice::new(&names).expect("there are such columns");
+/// let catalogue = Catalogue::of(&input, &run, &Request { columns, ..Request::default() });
+/// for row in &catalogue.rows {
+///     let texts: Vec<String> = catalogue.columns.iter().map(|column| column.text(row)).collect();
+///     println!("{}", texts.join(","));
+/// }
+/// # assert_eq!(catalogue.rows.len(), run.sources.len());
+/// # Ok::<(), skyfront_core::error::Error>(())
+/// ```
 pub struct Catalogue {
     /// The columns, in order.
     pub columns: Vec<Column>,

@@ -7,6 +7,16 @@ use crate::sky::Sky;
 
 /// How images are combined, each as signal-to-noise of its own: less the sky of its mesh, over the
 /// noise.
+///
+/// ```
+/// use skyfront::input::Combine;
+/// use skyfront::truth::simulated;
+/// use skyfront_core::simulate::Kind;
+///
+/// let [first, second] = [1, 2].map(|seed| simulated(Kind::Noisy, seed, 64, 64).0);
+/// let together = Combine::Weighted.of(&[&first, &second]);
+/// assert_eq!((together.len(), Combine::Weighted.name()), (64 * 64, "weighted"));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Combine {

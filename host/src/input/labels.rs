@@ -4,6 +4,14 @@
 const GREATEST: f32 = 16_777_216.0;
 
 /// The labels of every pixel.
+///
+/// ```
+/// use skyfront::input::LabelMap;
+///
+/// let map = LabelMap::of(&[0.0, 7.0, 0.0, 300.0]).expect("whole numbers");
+/// assert_eq!((map.name(1), map.name(2)), (7, 300));
+/// assert!(LabelMap::of(&[0.0, 1.5]).is_err_and(|at| at == 1));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabelMap {
     /// Row-major, 0 = none, else 1 for the first of `names`.

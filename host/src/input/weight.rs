@@ -5,6 +5,16 @@ use crate::measure::clipped_scatter;
 use crate::read::Image;
 
 /// What the values of a weight map are.
+///
+/// ```
+/// use skyfront::input::WeightType;
+/// use skyfront::truth::simulated;
+/// use skyfront_core::simulate::Kind;
+///
+/// let (image, _) = simulated(Kind::Noisy, 1, 8, 8);
+/// assert_eq!(WeightType::Variance.noise(&[9.0; 64], &image)[0], 3.0);
+/// assert!(WeightType::Weight.is_relative() && !WeightType::Variance.is_relative());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum WeightType {

@@ -13,10 +13,17 @@ pub(super) const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Kron's ellipses around even discs have 9 times their pixels, those around faint stars a few times
 /// more; those around thin rings and arcs, which do not tell how their light lies, have no bound else.
 const LARGEST: (f64, f64) = (64.0, 1024.0);
+/// That of Kron's ellipse of a large source, which noise does not make wide: rings in rings overlap.
+const LARGEST_KRON: (f64, f64) = (16.0, 33_792.0);
 
 /// The area of the largest aperture of a source of so many pixels.
 pub(super) fn largest(pixels: u32) -> f64 {
     LARGEST.0 * f64::from(pixels) + LARGEST.1
+}
+
+/// The area of its largest Kron aperture.
+pub(super) fn largest_kron(pixels: u32) -> f64 {
+    largest(pixels).min(LARGEST_KRON.0 * f64::from(pixels) + LARGEST_KRON.1)
 }
 
 /// The length of a vector; its parts are pixels, far from any overflow.
@@ -25,6 +32,18 @@ pub(super) fn length(x: f64, y: f64) -> f64 {
 }
 
 /// An ellipse, in pixels that count from 0.
+///
+/// ```
+/// use skyfront::measure::{Aperture, Extras, Level, Scene};
+///
+/// let (pixels, labels) = (vec![2.0; 400], vec![0; 400]);
+/// let [background, noise] = [0.0, 0.5].map(|level| Some(Level::Constant(level)));
+/// let extras = Extras { background, noise, ..Extras::default() };
+/// let scene = Scene::new(&pixels, &labels, 20, 20, &extras);
+/// let (flux, flags) = Aperture::circle(9.3, 10.1, 4.0).flux(&scene, 0);
+/// // The exact area of the circle counts, and nothing was in the way.
+/// assert!((flux.value - 2.0 * 50.265).abs() < 0.01 && flags == 0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aperture {
     /// Column of its centre.
@@ -71,17 +90,24 @@ impl Aperture {
     /// Calls `each` with every pixel of the image that may lie inside; whether the bounding box
     /// lies within the image. Cost: the pixels inside and along the border, and the rows.
     #[inline(always)]
-    pub(super) fn visit(&self, width: usize, height: usize, mut each: impl FnMut(Spot)) -> bool {
+    pub(super) fn visit(&self, width: usize, height: usize, each: impl FnMut(Spot)) -> bool {
+        self.visit_near((width, height), f64::INFINITY, each)
+    }
+
+    /// The same of the pixels nearer to the centre than `reach`, and of some others.
+    #[inline(always)]
+    fn visit_near(&self, (width, height): (usize, usize), reach: f64, mut each: impl FnMut(Spot)) -> bool {
+        let near = |(low, high): (f64, f64)| (low.max(-reach), high.min(reach));
         let range = |centre: f64, (low, high): (f64, f64), n: usize| {
             let (low, high) = ((centre + low + 0.5).floor(), (centre + high + 0.5).ceil());
             (low.max(0.0) as usize..(high.max(0.0) as usize).min(n), low >= 0.0 && high <= n as f64)
         };
         let (_, inside_x) = range(self.x, (-self.half.0, self.half.0), width);
-        let (rows, inside_y) = range(self.y, (-self.half.1, self.half.1), height);
-        for y in rows {
+        let (_, inside_y) = range(self.y, (-self.half.1, self.half.1), height);
+        for y in range(self.y, near((-self.half.1, self.half.1)), height).0 {
             // What has a sign is converted at once.
             let dy = y as i64 as f64 - self.y;
-            for x in range(self.x, self.span(dy), width).0 {
+            for x in range(self.x, near(self.span(dy)), width).0 {
                 each(Spot { x, y, dx: x as i64 as f64 - self.x, dy });
             }
         }
@@ -160,7 +186,7 @@ impl Aperture {
         distances: Range<f64>,
         each: &mut dyn FnMut(f64, f64, f64),
     ) {
-        self.visit(scene.width, scene.height, |spot| {
+        self.visit_near((scene.width, scene.height), distances.end, |spot| {
             if !distances.contains(&length(spot.dx, spot.dy)) {
                 return;
             }
@@ -247,6 +273,28 @@ mod tests {
                 assert!((area / (PI * a * b) - 1.0).abs() < 1e-12, "{a} {b} {theta}: {area}");
             }
         }
+    }
+
+    #[test]
+    fn all_pixels_near_the_centre_are_visited_and_few_others() {
+        let ellipse = Aperture::ellipse((100.3, 99.6), (80.0, 50.0), 0.7);
+        for reach in [0.4, 7.0, 30.5, 61.0, 200.0] {
+            let near = |spot: &Spot| length(spot.dx, spot.dy) < reach;
+            let (mut all, mut some, mut count) = (Vec::new(), Vec::new(), 0);
+            ellipse.visit(200, 200, |spot| all.extend(Some(spot).filter(near).map(|spot| (spot.x, spot.y))));
+            ellipse.visit_near((200, 200), reach, |spot| {
+                count += 1;
+                some.extend(Some(spot).filter(near).map(|spot| (spot.x, spot.y)));
+            });
+            assert_eq!(some, all);
+            assert!(f64::from(count) <= (2.0 * reach + 3.0) * (2.0 * reach + 3.0), "{count} pixels within {reach}");
+        }
+    }
+
+    #[test]
+    fn a_small_source_may_have_a_wider_kron_aperture_for_its_size_than_a_large_one() {
+        assert_eq!((largest(100), largest_kron(100)), (7424.0, 7424.0));
+        assert_eq!((largest(10_000), largest_kron(10_000)), (641_024.0, 193_792.0));
     }
 
     /// The bounding box of a slanting line is most of the image.

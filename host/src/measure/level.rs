@@ -3,6 +3,13 @@
 use std::borrow::Cow;
 
 /// Background or noise of an image.
+///
+/// ```
+/// use skyfront::measure::{Level, estimate};
+///
+/// let (background, noise) = estimate(&[3.0, 5.0, 3.0, 5.0, 900.0], &[0, 0, 0, 0, 1]);
+/// assert!(Level::Constant(background).at(2) == background && noise > 0.0);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Level<'a> {
     /// The same everywhere.

@@ -24,7 +24,7 @@ pub use window::Windowed;
 
 use crate::sky::{Patch, Sky};
 use crate::workers::in_order;
-use aperture::{Sum, largest};
+use aperture::{Sum, largest_kron};
 use growth::Growth;
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::sources::flags;
@@ -89,6 +89,13 @@ impl Default for Wanted {
 }
 
 /// A flux with its error, in units of the image.
+///
+/// ```
+/// use skyfront::measure::Flux;
+///
+/// let (magnitude, error) = Flux { value: 100.0, error: 1.0 }.magnitude(25.0);
+/// assert!((magnitude - 20.0).abs() < 1e-9 && (error - 0.0109).abs() < 1e-4);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flux {
     /// Above the background.
@@ -112,6 +119,26 @@ impl Flux {
 }
 
 /// A source with all that was measured.
+///
+/// ```
+/// use skyfront::measure::{Extras, Scene, measure};
+/// use skyfront::pipeline::{Drive, segment};
+/// use skyfront::truth::simulated;
+/// use skyfront_core::config::Config;
+/// use skyfront_core::simulate::Kind;
+///
+/// let (image, _) = simulated(Kind::Bright, 5, 96, 96);
+/// let run = segment(&Config::NOISE_AWARE, &image.pixels, 96, 96, &mut Drive::default())?;
+/// let extras = Extras { apertures: vec![3.0], ..Extras::default() };
+/// let scene = Scene::new(&image.pixels, &run.labels, 96, 96, &extras);
+/// for source in measure(&scene, &run.sources, &extras, None) {
+///     let (flux, circle) = (source.kron, source.apertures[0]);
+///     println!("{:.2} {:.2}", source.shape.x, source.shape.y);
+///     println!("{:.4} +- {:.4}, in 3 pixels {:.4}", flux.value, flux.error, circle.value);
+/// }
+/// # assert!(!run.sources.is_empty());
+/// # Ok::<(), skyfront_core::error::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// What the core summed up.
@@ -289,11 +316,11 @@ impl Kron {
 }
 
 /// The ellipse of the second moments, enlarged to hold nearly all light, and whether it is as large as
-/// it should be: none is larger than [`largest`].
+/// it should be: none is larger than [`largest_kron`].
 fn kron_aperture(scene: &Scene<'_>, shape: &Shape, source: &Source) -> (Aperture, bool) {
     let (a, b) = shape.wide_axes();
     let times = |factor: f64| Aperture::ellipse((shape.x, shape.y), (factor * a, factor * b), shape.theta);
-    let most = (largest(source.area) / (PI * a * b)).sqrt();
+    let most = (largest_kron(source.area) / (PI * a * b)).sqrt();
     let reach = KRON_REACH.min(most);
     let moment = times(reach).first_moment(scene, source.label).unwrap_or(0.0) * reach;
     let wanted = (KRON.0 * moment).max(KRON.1);
@@ -305,4 +332,32 @@ pub fn run_flags(outcome: &skyfront_core::run::outcome::Outcome) -> u32 {
     let limit = outcome.reason == skyfront_core::run::outcome::StopReason::TimeLimit;
     let full = outcome.unlabelled > 0 || outcome.catalogued < outcome.sources;
     (if limit { flags::LIMIT } else { 0 }) | (if full { flags::NO_ROOM } else { 0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Kron's ellipse around a thin ring of the radius 300 would have 300 times its pixels.
+    #[test]
+    fn the_kron_aperture_of_a_ring_is_cut_and_that_of_a_disc_is_not() {
+        const SIDE: usize = 700;
+        let measured = |least: f64| {
+            let far = |at: usize| ((at % SIDE) as f64 - 350.0).hypot((at / SIDE) as f64 - 350.0);
+            let labels: Vec<u32> = (0..SIDE * SIDE).map(|at| u32::from(far(at) < 303.0 && far(at) >= least)).collect();
+            let pixels: Vec<f32> = labels.iter().map(|&label| 10.0 * label as f32).collect();
+            let constant = |value| Some(Level::Constant(value));
+            let extras = Extras { background: constant(0.0), noise: constant(1.0), ..Extras::default() };
+            let mut source = Source::empty(1);
+            for (at, _) in labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+                source.add((at % SIDE) as u32, (at / SIDE) as u32, pixels[at], 0.0);
+            }
+            let scene = Scene::new(&pixels, &labels, SIDE, SIDE, &extras);
+            let row = measure(&scene, &[source], &extras, None).remove(0);
+            (PI * row.kron_radius * row.kron_radius * row.shape.b / row.shape.a, largest_kron(source.area))
+        };
+        let ((ring, most), (disc, room)) = (measured(300.0), measured(0.0));
+        assert!((ring / most - 1.0).abs() < 1e-3, "{ring} of {most}");
+        assert!(disc < 0.5 * room, "{disc} of {room}");
+    }
 }

@@ -194,6 +194,14 @@ fn add_moments(first: &mut (f64, f64), second: &mut (f64, f64, f64), weight: f64
 }
 
 /// The ellipse with given second moments.
+///
+/// ```
+/// use skyfront::measure::Ellipse;
+///
+/// // Moments of 9 along x, of 4 along y, and none of both.
+/// let ellipse = Ellipse::of((9.0, 4.0, 0.0));
+/// assert_eq!((ellipse.a, ellipse.b, ellipse.theta), (3.0, 2.0, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipse {
     /// Root mean square along the major axis.

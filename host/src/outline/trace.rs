@@ -8,6 +8,18 @@
 use skyfront_core::config::Connectivity;
 
 /// A closed outline. Positions are in pixels, the first pixel's centre at (0, 0).
+///
+/// ```
+/// use skyfront::outline::rings;
+/// use skyfront_core::config::Connectivity;
+///
+/// // The front is above 0 in the middle of 3 x 3 pixels, by as much as the others are below.
+/// let labels = [0, 0, 0, 0, 7, 0, 0, 0, 0];
+/// let front = labels.map(|label| if label > 0 { 1.0 } else { -1.0 });
+/// let rings = rings(&labels, &front, 3, 3, Connectivity::Eight);
+/// assert_eq!((rings.len(), rings[0].label, rings[0].hole), (1, 7, false));
+/// assert!(rings[0].points.contains(&(1.5, 1.0)));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ring {
     /// The source.

@@ -8,6 +8,18 @@ use embedded_graphics::text::{Baseline, Text};
 use std::io::{self, Write};
 
 /// An RGB picture, row-major, its top row first.
+///
+/// ```
+/// use skyfront::picture::{Canvas, MARK};
+///
+/// let mut canvas = Canvas::new(64, 16);
+/// canvas.set(3, 2, MARK);
+/// assert_eq!(canvas.rgb()[3 * (2 * 64 + 3)..][..3], MARK);
+/// let mut png = Vec::new();
+/// canvas.write_png(&mut png)?;
+/// assert!(png.starts_with(b"\x89PNG"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Canvas {
     width: usize,

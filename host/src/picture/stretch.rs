@@ -1,6 +1,13 @@
 //! From pixel values to shades of grey in which faint and bright objects can both be seen.
 
 /// An asinh stretch between a dark and a bright value (Lupton et al. 2004, doi:10.1086/382245).
+///
+/// ```
+/// use skyfront::picture::Stretch;
+///
+/// let stretch = Stretch::linear(100.0, 200.0);
+/// assert_eq!((stretch.shade(100.0), stretch.shade(1e6)), (0, 255));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     black: f64,

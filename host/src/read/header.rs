@@ -4,12 +4,28 @@
 pub const CARD: usize = 80;
 
 /// The cards of one HDU, in file order, without `END`.
+///
+/// ```
+/// use skyfront::read::{Card, Header};
+///
+/// let cards = ["GAIN    =                  2.5", "OBJECT  = 'M 13    '"];
+/// let header = Header::new(cards.iter().map(|card| Card::new(card)).collect());
+/// assert_eq!((header.real("GAIN"), header.text("OBJECT").as_deref()), (Some(2.5), Some("M 13")));
+/// assert_eq!(header.integer("NAXIS"), None);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Header {
     cards: Vec<Card>,
 }
 
 /// One header card, kept as the bytes of the file so that a copy is exact.
+///
+/// ```
+/// use skyfront::read::Card;
+///
+/// let card = Card::new("EXPTIME =                120.5 / seconds");
+/// assert_eq!((card.keyword(), card.value().as_deref()), ("EXPTIME", Some("120.5")));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Card(pub [u8; CARD]);
 

@@ -27,6 +27,24 @@ use rotation::Rotation;
 use wat::Wat;
 
 /// The coordinate system of an image.
+///
+/// ```
+/// use skyfront::read::{Card, Header};
+/// use skyfront::sky::Sky;
+///
+/// let cards = [
+///     "CTYPE1  = 'RA---TAN'", "CTYPE2  = 'DEC--TAN'", "CRPIX1  = 50.0", "CRPIX2  = 50.0",
+///     "CRVAL1  = 250.4", "CRVAL2  = 36.5", "CDELT1  = -0.001", "CDELT2  = 0.001",
+/// ];
+/// let header = Header::new(cards.iter().map(|card| Card::new(card)).collect());
+/// let sky = Sky::of(&header)?.expect("there are coordinates");
+/// // Pixels count from 0 here, in FITS from 1.
+/// let (ra, dec) = sky.position(49.0, 49.0).expect("it lies on the sky");
+/// assert!((ra - 250.4).abs() < 1e-9 && (dec - 36.5).abs() < 1e-9);
+/// let (x, y) = sky.pixel(250.4, 36.51).expect("it lies in the image's plane");
+/// assert!((x - 49.0).abs() < 1e-6 && (y - 59.0).abs() < 1e-3);
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Debug)]
 pub struct Sky {
     reference: [f64; 2],

@@ -28,6 +28,13 @@ impl std::fmt::Display for Value {
 }
 
 /// One header entry.
+///
+/// ```
+/// use skyfront::write::Entry;
+///
+/// let entries = [Entry::new("EXPTIME", 120.5, "seconds"), Entry::new("OBJECT", "M 13", "")];
+/// assert!(matches!(&entries[0], Entry::Key(keyword, ..) if keyword == "EXPTIME"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
     /// A keyword of at most eight capital letters and digits (longer ones become `HIERARCH`), its value, a comment.

@@ -12,6 +12,20 @@ use super::temporaries::{self, Begun};
 ///
 /// Whole files, all or none, hold for every end of this process but one: a kill in the middle of `publish` leaves whole
 /// files of both runs. What a loss of power takes is up to the file system: nothing is flushed to the disk.
+///
+/// ```
+/// use skyfront::write::Products;
+/// use std::io::Write;
+///
+/// let folder = std::env::temp_dir().join(format!("skyfront-products-{}", std::process::id()));
+/// let mut products = Products::plan(&folder, &["list.txt"], false)?;
+/// products.write("list.txt", |out| writeln!(out, "1 2 3"))?;
+/// // Until now there is no file of that name.
+/// let published = products.publish()?;
+/// assert_eq!(std::fs::read_to_string(&published[0]).expect("it is there"), "1 2 3\n");
+/// # std::fs::remove_dir_all(&folder).expect("it is there");
+/// # Ok::<(), skyfront::write::WriteError>(())
+/// ```
 #[derive(Debug)]
 pub struct Products {
     folder: PathBuf,

@@ -102,7 +102,7 @@ const BINS: usize = 64;
 
 /// The means of the four classes of least variance of a histogram of 64 bins over \[0, 1\] (ours): of the borders between
 /// the middle two the one that, with the best borders on its sides, leaves the least, and of several the lowest. A class
-/// without values has the mean of the one below it, the lowest 0.
+/// without values has the mean of the one below it, the lowest that of the first that has values.
 pub fn classes(image: &Plane) -> [f64; 4] {
     let mut counts = [0.0; BINS];
     image.values().iter().for_each(|v| counts[((v * BINS as f64) as usize).min(BINS - 1)] += 1.0);
@@ -128,11 +128,10 @@ pub fn classes(image: &Plane) -> [f64; 4] {
             most = (all, [0, low.1, middle, high.1, BINS]);
         }
     }
-    let mut last = 0.0;
+    let middle = |class: usize| mean(most.1[class], most.1[class + 1]).map(|(_, mean)| (mean + 0.5) / BINS as f64);
+    let mut last = (0..4).find_map(middle).unwrap_or(0.0);
     std::array::from_fn(|class| {
-        if let Some((_, mean)) = mean(most.1[class], most.1[class + 1]) {
-            last = (mean + 0.5) / BINS as f64;
-        }
+        last = middle(class).unwrap_or(last);
         last
     })
 }

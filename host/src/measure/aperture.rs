@@ -13,8 +13,9 @@ pub(super) const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Kron's ellipses around even discs have 9 times their pixels, those around faint stars a few times
 /// more; those around thin rings and arcs, which do not tell how their light lies, have no bound else.
 const LARGEST: (f64, f64) = (64.0, 1024.0);
-/// That of Kron's ellipse of a large source, which noise does not make wide: rings in rings overlap.
-const LARGEST_KRON: (f64, f64) = (16.0, 33_792.0);
+/// That of Kron's ellipse of a source of more than 5600 pixels, which noise does not make wide: rings in rings
+/// overlap. Up to there it holds a ring a hundred times as wide as thick.
+const LARGEST_KRON: (f64, f64) = (16.0, 269_824.0);
 
 /// The area of the largest aperture of a source of so many pixels.
 pub(super) fn largest(pixels: u32) -> f64 {
@@ -294,7 +295,7 @@ mod tests {
     #[test]
     fn a_small_source_may_have_a_wider_kron_aperture_for_its_size_than_a_large_one() {
         assert_eq!((largest(100), largest_kron(100)), (7424.0, 7424.0));
-        assert_eq!((largest(10_000), largest_kron(10_000)), (641_024.0, 193_792.0));
+        assert_eq!((largest(10_000), largest_kron(10_000)), (641_024.0, 429_824.0));
     }
 
     /// The bounding box of a slanting line is most of the image.

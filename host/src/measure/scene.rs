@@ -173,7 +173,7 @@ impl<'a> Scene<'a> {
         let mirrored = |at: usize, from: f64, n: usize| {
             let place = at as i64 as f64 - 2.0 * from;
             // Rounded as it is made whole: a call for every pixel would take longer than all else.
-            (place > -0.5 && place < n as f64).then(|| (place + 0.5) as i64 as usize).filter(|&place| place < n)
+            (place > -0.5 && place < n as f64).then_some((place + 0.5) as i64 as usize).filter(|&place| place < n)
         };
         Some(mirrored(spot.y, spot.dy, self.height)? * self.width + mirrored(spot.x, spot.dx, self.width)?)
     }

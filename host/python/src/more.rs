@@ -52,11 +52,11 @@ impl Seen {
         };
         const MOST: f32 = 1e6;
         for (name, value) in [("full_well", self.full_well), ("step", self.step)] {
-            if value.is_some_and(|value| !(value > 0.0 && value <= MOST)) {
+            if value.is_some_and(|value| value.is_nan() || value <= 0.0 || value > MOST) {
                 return Err(option(py, name, "must be above 0 and at most 1000000"));
             }
         }
-        if !(self.gradient.abs() <= MOST) {
+        if self.gradient.is_nan() || self.gradient.abs() > MOST {
             return Err(option(py, "gradient", "must be at most 1000000 up or down"));
         }
         Ok(Conditions {

@@ -29,8 +29,7 @@ const SHARPENING: f32 = 0.6;
 const NARROW_WIDE: f32 = 3.4;
 /// See [`NARROW_WIDE`].
 const NARROW_SHARPENING: f32 = 3.0;
-/// What stands out there by so many times the height that noise reaches, or more than it ever reaches where no share of
-/// the sources may be false, is no unevenness of a wide source.
+/// What stands out there by so many times the height that noise reaches is no unevenness of a wide source.
 const STANDS_OUT: f32 = 1.2;
 /// It needs this part of the smallest peak and light.
 const LENIENCY: f32 = 0.5;
@@ -73,8 +72,6 @@ pub struct Planes<'m, L: Level> {
 pub struct Cut {
     /// In the noise of the image; 0 where none is asked for.
     pub significance: f32,
-    /// The same where no share of the sources may be false.
-    strict: f32,
     /// The noise of the matched image.
     matched: Noise,
     /// The noise of the narrow image.
@@ -83,7 +80,7 @@ pub struct Cut {
 
 impl Cut {
     /// Every peak will do.
-    pub const NONE: Cut = Cut { significance: 0.0, strict: 0.0, matched: Noise::ONE, narrow: Noise::ONE };
+    pub const NONE: Cut = Cut { significance: 0.0, matched: Noise::ONE, narrow: Noise::ONE };
 }
 
 /// The noise of an image in which peaks are sought.
@@ -144,8 +141,8 @@ impl<L: Level> Cutting<L> {
         for tail in [&mut self.narrow, &mut self.matched, &mut self.slope] {
             tail.code(codec)?;
         }
-        let Cut { significance, strict, matched, narrow } = &mut self.cut;
-        for real in [&mut self.allowed, significance, strict] {
+        let Cut { significance, matched, narrow } = &mut self.cut;
+        for real in [&mut self.allowed, significance] {
             codec.real(real)?;
         }
         for Noise { size, unseen } in [matched, narrow] {
@@ -190,9 +187,8 @@ pub(crate) fn cut<L: Level, P: Sample>(
     let roughness = if noise > 0.0 { slope / noise } else { 0.0 };
     let (columns, rows) = view.image();
     let elements = (columns * rows) as f32 * roughness * roughness;
-    walk.once(8, || {
-        let strict = tail.raised(height(elements, config.significance.false_sources));
-        *cut = Cut { significance: 0.0, strict, matched, narrow };
+    walk.once(1, || {
+        *cut = Cut { significance: 0.0, matched, narrow };
         *allowed = config.significance.false_sources;
     })?;
     // What reaches how far can only be told in the noise of all parts.
@@ -331,7 +327,7 @@ fn reach<L: Level>(region: &Region<L>, config: &Config, cut: Cut) -> f32 {
     if enough(1.0, least_area) {
         matched
     } else if !divided && enough(LENIENCY, narrow_area(config.min_area)) {
-        if narrow >= cut.strict { matched } else { matched.least(narrow / STANDS_OUT) }
+        matched.least(narrow / STANDS_OUT)
     } else {
         -1.0
     }

@@ -113,12 +113,10 @@ pub fn cut(
         return Cut::default();
     }
     let narrow_noise = Tail::of(narrow(signal).values(), masked, facts).noise;
-    let strict = tail.raised(height(elements, settings.false_sources));
     let (mut allowed, mut cut) = (settings.false_sources, Cut::default());
     for _ in 0..4 {
         let significance = tail.raised(height(elements, allowed));
-        let narrow = narrow_noise * strict.min(1.2 * significance);
-        cut = Cut { significance, least: significance * tail.noise, narrow };
+        cut = Cut { significance, least: significance * tail.noise, narrow: 1.2 * significance * narrow_noise };
         let kept = sources(&sums, regions, cut, settings, judge).iter().filter(|&&kept| kept).count();
         allowed = allowed.max(settings.false_share * kept as f64);
     }

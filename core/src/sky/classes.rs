@@ -7,8 +7,26 @@ use core::ops::Range;
 const POOLED: usize = 4;
 const POOLS: usize = BINS / POOLED;
 
-/// Number and sum of the values below each pool, in pools.
-type Below = [(u64, u64); POOLS + 1];
+/// Number and sum of some values, in pools.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    count: u64,
+    sum: u64,
+}
+
+impl Sums {
+    fn with(self, other: Sums) -> Sums {
+        Sums { count: self.count.saturating_add(other.count), sum: self.sum.saturating_add(other.sum) }
+    }
+
+    fn without(self, other: Sums) -> Sums {
+        Sums { count: self.count.saturating_sub(other.count), sum: self.sum.saturating_sub(other.sum) }
+    }
+
+    fn mean(self) -> Option<f32> {
+        (self.count > 0).then(|| self.sum as f32 / self.count as f32)
+    }
+}
 
 /// How much less variance two classes have than one, and where they part.
 #[derive(Clone, Copy)]
@@ -23,20 +41,19 @@ impl Histogram {
     /// best borders on both sides of it. A class without values has the mean of the one below it, or
     /// of the first that has values.
     ///
-    /// Cost: 4096 comparisons.
+    /// Cost: 4096 comparisons, and 16 times as many looks at bins.
     pub fn four_classes(&self) -> [f32; 4] {
-        let below = self.below();
         let (mut best, mut borders) = (0.0f32, [0, POOLS, POOLS, POOLS, POOLS]);
         for middle in 1..=POOLS {
-            let (low, high) = (parted(&below, 0..middle), parted(&below, middle..POOLS));
-            let gain = gain(&below, 0..POOLS, middle) + (low.gain + high.gain);
+            let (low, high) = (self.parted(0..middle), self.parted(middle..POOLS));
+            let gain = gain(self.within(0..middle), self.within(middle..POOLS)) + (low.gain + high.gain);
             if gain > best {
                 (best, borders) = (gain, [0, low.at, middle, high.at, POOLS]);
             }
         }
         let [zero, one, two, three, end] = borders;
         let classes = [zero..one, one..two, two..three, three..end];
-        let middle = |class: &Range<usize>| mean(&below, class.clone()).map(|mean| (mean + 0.5) / POOLS as f32);
+        let middle = |class: &Range<usize>| self.within(class.clone()).mean().map(|mean| (mean + 0.5) / POOLS as f32);
         let mut last = classes.iter().find_map(middle).unwrap_or(0.0);
         classes.map(|class| {
             last = middle(&class).unwrap_or(last);
@@ -44,45 +61,36 @@ impl Histogram {
         })
     }
 
-    fn below(&self) -> Below {
-        let (mut below, mut sum) = ([(0, 0); POOLS + 1], (0u64, 0u64));
-        for ((at, below), pool) in (0u64..).zip(below.iter_mut().skip(1)).zip(self.0.chunks(POOLED)) {
+    /// The values of some pools.
+    fn within(&self, pools: Range<usize>) -> Sums {
+        let bins = self.0.get(POOLED * pools.start..POOLED * pools.end).unwrap_or(&[]);
+        bins.chunks(POOLED).zip(pools.start as u64..).fold(Sums::default(), |sums, (pool, at)| {
             let count = pool.iter().fold(0u64, |sum, &count| sum.saturating_add(u64::from(count)));
-            sum = (sum.0.saturating_add(count), sum.1.saturating_add(at.saturating_mul(count)));
-            *below = sum;
+            sums.with(Sums { count, sum: at.saturating_mul(count) })
+        })
+    }
+
+    /// The border that parts some pools best, the lowest of several; their end where none does.
+    fn parted(&self, pools: Range<usize>) -> Parted {
+        let (whole, mut low) = (self.within(pools.clone()), Sums::default());
+        let mut best = Parted { gain: 0.0, at: pools.end };
+        for at in pools.skip(1) {
+            low = low.with(self.within(at.saturating_sub(1)..at));
+            let gain = gain(low, whole.without(low));
+            if gain > best.gain {
+                best = Parted { gain, at };
+            }
         }
-        below
+        best
     }
 }
 
-/// Number and sum of the values in some pools.
-fn within(below: &Below, pools: Range<usize>) -> (u64, u64) {
-    let at = |place: usize| below.get(place).copied().unwrap_or((0, 0));
-    let ((count, sum), (first_count, first_sum)) = (at(pools.end), at(pools.start));
-    (count.saturating_sub(first_count), sum.saturating_sub(first_sum))
-}
-
-fn mean(below: &Below, pools: Range<usize>) -> Option<f32> {
-    let (count, sum) = within(below, pools);
-    (count > 0).then(|| sum as f32 / count as f32)
-}
-
-/// What parting some pools at one of them takes off the sum of the squared distances from the mean.
-fn gain(below: &Below, pools: Range<usize>, at: usize) -> f32 {
-    let (low, high) = (pools.start..at, at..pools.end);
-    let (Some(dark), Some(bright)) = (mean(below, low.clone()), mean(below, high.clone())) else { return 0.0 };
-    let (low, high) = (within(below, low).0 as f32, within(below, high).0 as f32);
-    let apart = bright - dark;
+/// What parting values into those that are low and those that are high takes off the sum of the squared distances from
+/// the mean.
+fn gain(low: Sums, high: Sums) -> f32 {
+    let (Some(dark), Some(bright)) = (low.mean(), high.mean()) else { return 0.0 };
+    let (low, high, apart) = (low.count as f32, high.count as f32, bright - dark);
     low * (high / (low + high)) * (apart * apart)
-}
-
-/// The border that parts some pools best, the lowest of several; their end where none does.
-fn parted(below: &Below, pools: Range<usize>) -> Parted {
-    let none = Parted { gain: 0.0, at: pools.end };
-    pools.clone().skip(1).fold(none, |best, at| {
-        let gain = gain(below, pools.clone(), at);
-        if gain > best.gain { Parted { gain, at } } else { best }
-    })
 }
 
 #[cfg(test)]

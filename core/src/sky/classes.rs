@@ -63,8 +63,9 @@ impl Histogram {
 
     /// The values of some pools.
     fn within(&self, pools: Range<usize>) -> Sums {
-        let bins = self.0.get(POOLED * pools.start..POOLED * pools.end).unwrap_or(&[]);
-        bins.chunks(POOLED).zip(pools.start as u64..).fold(Sums::default(), |sums, (pool, at)| {
+        let (pooled, _) = self.0.as_chunks::<POOLED>();
+        let some = pooled.get(pools.clone()).unwrap_or(&[]);
+        some.iter().zip(pools.start as u64..).fold(Sums::default(), |sums, (pool, at)| {
             let count = pool.iter().fold(0u64, |sum, &count| sum.saturating_add(u64::from(count)));
             sums.with(Sums { count, sum: at.saturating_mul(count) })
         })

@@ -1,5 +1,5 @@
 //! Two fronts that part an image into four phases (L. A. Vese, T. F. Chan 2002, DOI 10.1023/A:1020874308076), with the
-//! H of [`super::chan_vese`] for v in \[-1, 1\], v = u counted in pixels.
+//! H of the two-phase model for v in \[-1, 1\], v = u counted in pixels.
 
 use super::chan_vese::pull;
 use super::initial::half_side;

@@ -27,17 +27,22 @@ fn pure_noise_has_at_most_two_sources() {
     }
 }
 
+/// The default with every condition off but that on significance, with so many false sources per image.
+fn with_noise(false_sources: f32) -> Config {
+    let default = Config::NOISE_AWARE;
+    Config {
+        outline: Outline { threshold: 0.5, ..default.outline },
+        significance: Significance { peak: 0.0, light: 0.0, false_share: 0.0, false_sources },
+        min_area: 1,
+        ..default
+    }
+}
+
 /// With every other condition off, noise has as many sources as the setting allows: the tail of
 /// the threshold, whether pixels are correlated or not.
 #[test]
 fn false_sources_are_as_many_as_expected() {
-    let outline = Config::NOISE_AWARE.outline;
-    let bare = Config {
-        outline: Outline { threshold: 0.5, ..outline },
-        significance: Significance { peak: 0.0, light: 0.0, false_share: 0.0, false_sources: 40.0 },
-        min_area: 1,
-        ..Config::NOISE_AWARE
-    };
+    let bare = with_noise(40.0);
     for (seed, k) in [(4, 0.0), (5, 0.18), (6, 0.4)] {
         let pixels = correlated(seed, 1000, k);
         let found = run(&bare, &pixels, 1000).outcome.sources;
@@ -49,13 +54,7 @@ fn false_sources_are_as_many_as_expected() {
 /// Planes are mirrored at the border of an image, where noise would be found again and again.
 #[test]
 fn false_sources_do_not_gather_at_the_border() {
-    let outline = Config::NOISE_AWARE.outline;
-    let bare = Config {
-        outline: Outline { threshold: 0.5, ..outline },
-        significance: Significance { peak: 0.0, light: 0.0, false_share: 0.0, false_sources: 4.0 },
-        min_area: 1,
-        ..Config::NOISE_AWARE
-    };
+    let bare = with_noise(4.0);
     // A third of the pixels are near the border.
     let (width, height) = (1000, 12);
     let mut found = 0;

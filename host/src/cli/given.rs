@@ -216,6 +216,6 @@ mod tests {
             "--tau is not used by --scheme region; it needs --scheme other than region, as --preset rsa has"
         );
         let message = config(&["--preset", "paper-f160", "--mu", "1"]).expect_err("for another scheme");
-        assert!(message.ends_with("it needs --scheme chan-vese, as --preset chan-vese has"), "{message}");
+        assert!(message.ends_with("it needs --scheme chan-vese or multiphase, as --preset chan-vese has"), "{message}");
     }
 }

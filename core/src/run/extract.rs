@@ -300,7 +300,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
         let State { walk, cutting, kept, .. } = state;
         let mut planes = work.selection(regions);
         match config.select {
-            Select::Area => selection::measure((walk, crew), &mut planes)?,
+            Select::Area => selection::measure((walk, crew), view, &mut planes)?,
             Select::Significance => selection::cut((walk, crew), cutting, view, config, &mut planes)?,
         }
         selection::keep(walk, kept, (config, cutting.cut), planes.labels, planes.regions)

@@ -51,7 +51,8 @@ impl Curve {
 /// The photon noise `a` of a signal-to-noise image: a pixel of brightness v has the variance
 /// `1 + a v`. The least of what the levels say, because structure only adds to the scatter; 0
 /// where no level has enough pixels. `fine` is the signal lightly smoothed, the pixels near sources
-/// are `masked`; `list` is scratch, as long as the plane. Cost: two looks at each pixel. While other parts of an image have yet to answer, it means nothing.
+/// are `masked`; `list` is scratch, as long as the plane. Cost: two looks at each pixel. While other parts of an image have
+/// yet to answer, it means nothing.
 pub(crate) fn step<L: Level>(
     walk: &mut Walk,
     (whole, curve): (Option<&dyn Whole>, &mut Curve),

@@ -37,9 +37,9 @@ const LENIENCY: f32 = 0.5;
 const WHITE: f32 = 0.219_635;
 /// The same of the narrow image.
 const NARROW_WHITE: f32 = 0.519_534;
-/// By so much less counts a peak in the outermost row or column of the image, and in the next. Planes are mirrored at the
-/// border, where pixels are summed up with themselves: white noise of the matched image is 1.38 and 1.17 times as large
-/// there. These pixels are few, so that more of it may be let pass in each.
+/// By so much less counts a peak in the outermost row or column of the image, and in the next. Planes are
+/// mirrored at the border, where pixels are summed up with themselves: white noise of the matched image is
+/// 1.38 and 1.17 times as large there. These pixels are few, so that more of it may be let pass in each.
 const AT_BORDER: [f32; 2] = [0.8, 0.92];
 /// So many deviations of the noise that the caller knows of, and the frame does not have, could take light away.
 const UNSEEN: f32 = 2.0;
@@ -170,8 +170,7 @@ pub(crate) fn cut<L: Level, P: Sample>(
     walk.pass(grid.height, 2 * width, |rows| {
         Weights::gauss(WIDE).sharpen_rows(rows, work.matched, work.rows, grid, SHARPENING, crew);
     })?;
-    measure((walk, crew), work)?;
-    measure_peaks((walk, crew), view, work)?;
+    measure((walk, crew), view, work)?;
     let matched = |at: usize| work.matched.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Matched, Question::MatchedPowers];
     view.tail(walk, (&mut cutting.matched, questions), matched, work.masked, work.keys.again())?;
@@ -236,27 +235,6 @@ fn measure_narrow<L: Level, P: Sample>(
     view.tail(walk, (noise, questions), narrow, work.masked, work.keys.again())
 }
 
-/// The peak of every region in the narrow and in the matched image, of which those at the border count for less.
-fn measure_peaks<L: Level, P: Sample>(
-    (walk, crew): (&mut Walk, &impl Crew),
-    view: &View<'_, P>,
-    work: &mut Planes<'_, L>,
-) -> Option<()> {
-    walk.pass(work.regions.len(), 1, |part| {
-        work.regions.get_mut(part).unwrap_or(&mut []).iter_mut().for_each(|region| region.offsets = (0.0, 0.0));
-    })?;
-    let ((columns, rows), (left, bottom)) = (view.image(), view.origin());
-    let weight = |at: usize, length: usize| AT_BORDER.get(at.min(length.saturating_sub(at + 1))).unwrap_or(&1.0);
-    let (narrow, matched) = (&*work.narrow, &*work.matched);
-    each_pixel((walk, crew), work.labels, work.regions, |region, at| {
-        if let (Some(narrow), Some(matched)) = (narrow.get(at), matched.get(at)) {
-            let ((x, y), peaks) = (view.grid.place(at), region.offsets);
-            let matched = matched.to_f32() * weight(left + x, columns) * weight(bottom + y, rows);
-            region.offsets = (peaks.0.greatest(narrow.to_f32()), peaks.1.greatest(matched));
-        }
-    })
-}
-
 /// How far up in significance what may be a source in any part of an image is one: sorted keys. Each is told by the part
 /// that has its first pixel.
 fn reaches<'w, L: Level>(
@@ -284,21 +262,33 @@ fn reaches<'w, L: Level>(
     reaches
 }
 
-/// Area, light and matched peak of every region, from its pixels.
-pub(crate) fn measure<L: Level>((walk, crew): (&mut Walk, &impl Crew), work: &mut Planes<'_, L>) -> Option<()> {
+/// Area, light and matched peak of every region, from its pixels, and its peaks in the narrow image and in
+/// the matched one, of which those at the border count for less. By area alone the images mean nothing, and
+/// neither do the peaks.
+pub(crate) fn measure<L: Level, P: Sample>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    view: &View<'_, P>,
+    work: &mut Planes<'_, L>,
+) -> Option<()> {
     walk.pass(work.regions.len(), 1, |part| {
         for region in work.regions.get_mut(part).unwrap_or(&mut []) {
             (region.area, region.sum, region.value, region.label) = (0, L::NOTHING, L::ZERO, 0);
+            region.offsets = (0.0, 0.0);
         }
     })?;
-    let (matched, signal) = (&*work.matched, work.signal);
+    let ((columns, rows), (left, bottom)) = (view.image(), view.origin());
+    let weight = |at: usize, length: usize| AT_BORDER.get(at.min(length.saturating_sub(at + 1))).unwrap_or(&1.0);
+    let (narrow, matched, signal) = (&*work.narrow, &*work.matched, work.signal);
     each_pixel((walk, crew), work.labels, work.regions, |region, at| {
-        if let (Some(&matched), Some(&signal)) = (matched.get(at), signal.get(at)) {
+        if let (Some(narrow), Some(&matched), Some(&signal)) = (narrow.get(at), matched.get(at), signal.get(at)) {
             region.area += 1;
             region.sum = region.sum + signal.times(1);
             if matched > region.value {
                 region.value = matched;
             }
+            let ((x, y), peaks) = (view.grid.place(at), region.offsets);
+            let matched = matched.to_f32() * weight(left + x, columns) * weight(bottom + y, rows);
+            region.offsets = (peaks.0.greatest(narrow.to_f32()), peaks.1.greatest(matched));
         }
     })
 }

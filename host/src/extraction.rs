@@ -76,7 +76,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
     if !drive.bands.is_empty() {
-        bands::serve(config)?;
+        bands::serve::<A>(config, drive.bands.len() + 1)?;
     }
     let few = (pixels.len() / PIXELS_OF_REGION).max(LEAST_REGIONS);
     with_few_regions::<A, L>(config, pixels, width, drive, few)

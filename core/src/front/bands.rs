@@ -64,15 +64,8 @@ impl<A: Arithmetic> Bands<'_, A> {
 
     /// Whether the front of a configuration can be moved by them in frames of so many pixels.
     pub(crate) fn check(&self, config: &Config, pixels: usize) -> Result<(), Error> {
-        serve(config)?;
-        if A::Cell::BYTES < 4 {
-            let reason = "the force of several bands needs cells of 32 bits";
-            return Err(Error::Arithmetic { name: A::NAME, reason });
-        }
-        let (count, limit) = (self.each.len(), MOST_BANDS as f32);
-        if count > MOST_BANDS {
-            return Err(Error::Parameter { name: "the number of bands", value: count as f32, bound: "at most", limit });
-        }
+        let count = self.each.len();
+        serve::<A>(config, count)?;
         let planes = ("the planes of the bands", self.planes.len(), count.saturating_mul(pixels));
         match [("the bands", count, 1), planes].into_iter().find(|&(_, given, needed)| given < needed) {
             Some((name, given, needed)) => Err(Error::Length { name, given, needed }),
@@ -161,13 +154,21 @@ impl<A: Arithmetic> Bands<'_, A> {
     }
 }
 
-/// Whether several bands can move the front of a configuration.
+/// Whether so many bands can move the front of a configuration.
 ///
 /// # Errors
-/// [`Error::Together`] with a scheme that goes by one image, or by signal-to-noise.
-pub fn serve(config: &Config) -> Result<(), Error> {
+/// [`Error::Together`] with a scheme that goes by one image, or by signal-to-noise, [`Error::Arithmetic`] with narrow
+/// cells, [`Error::Parameter`] for more than [`MOST_BANDS`].
+pub fn serve<A: Arithmetic>(config: &Config, count: usize) -> Result<(), Error> {
     let apart = |other, wanted| Err(Error::Together { choice: "an image of", value: "several bands", other, wanted });
     match (config.scheme, config.sky.is_known()) {
+        (Scheme::ChanVese, false) if A::Cell::BYTES < 4 => {
+            Err(Error::Arithmetic { name: A::NAME, reason: "the force of several bands needs cells of 32 bits" })
+        }
+        (Scheme::ChanVese, false) if count > MOST_BANDS => {
+            let (value, limit) = (count as f32, MOST_BANDS as f32);
+            Err(Error::Parameter { name: "bands", value, bound: "at most", limit })
+        }
         (Scheme::ChanVese, false) => Ok(()),
         (Scheme::ChanVese, true) => apart("sky", "none"),
         _ => apart("scheme", Scheme::ChanVese.name()),

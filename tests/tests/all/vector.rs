@@ -301,7 +301,7 @@ fn what_cannot_hold_bands_is_refused_by_name() {
         start(&Config::CHAN_VESE, 2, 2 * pixels - 1),
         short("the planes of the bands", 2 * pixels - 1, 2 * pixels)
     );
-    let Some(Error::Parameter { name: "the number of bands", limit: 8.0, .. }) =
+    let Some(Error::Parameter { name: "bands", limit: 8.0, .. }) =
         start(&Config::CHAN_VESE, MOST_BANDS + 1, 9 * pixels)
     else {
         panic!("nine bands");

@@ -21,7 +21,8 @@ def bands():
     """Two images: a source in each that the other does not show."""
     draw = np.random.default_rng(11)
     noise = draw.normal(size=(2, *SHAPE))
-    return [(500 + 3 * (noise[0] + blob(30, 40))).astype(">f4"), (20 + 3 * (noise[1] + blob(80, 36))).astype(np.float32)]
+    blue, red = 500 + 3 * (noise[0] + blob(30, 40)), 20 + 3 * (noise[1] + blob(80, 36))
+    return [blue.astype(">f4"), red.astype(np.float32)]
 
 
 @pytest.mark.parametrize("settings", [{}, {"combine": "chi2"}, {"combine": "vector", "preset": "chan-vese"}])
@@ -32,7 +33,7 @@ def test_bands_have_the_bytes_of_the_command_line(bands, settings, command, tmp_
     options = [word for name, value in settings.items() for word in (f"--{name}", value)]
     same(seg, command(blue, "--with", tmp_path / "red.fits", *options))
     assert seg.labels[40, 30] > 0 and seg.labels[36, 80] > 0
-    assert seg.summary["beside"]["combine"]["file"] == settings.get("combine", "weighted")
+    assert seg.summary["input"]["combine"] == settings.get("combine", "weighted")
     for alone, shown, hidden in [(blue, (40, 30), (36, 80)), (red, (36, 80), (40, 30))]:
         found = skyfront.segment(alone, **{name: value for name, value in settings.items() if name != "combine"}).labels
         assert found[shown] > 0 and found[hidden] == 0
@@ -52,7 +53,8 @@ def test_bands_that_do_not_fit_are_refused(bands):
     blue, red = bands
     assert "m2_flux" in skyfront.segment(blue, bands=[red]).catalogue.colnames
     wcs = WCS(naxis=2)
-    wcs.wcs.ctype, wcs.wcs.crval, wcs.wcs.cdelt, wcs.wcs.crpix = ["RA---TAN", "DEC--TAN"], [150, 2], [-1e-4, 1e-4], [60, 60]
+    wcs.wcs.ctype, wcs.wcs.crval = ["RA---TAN", "DEC--TAN"], [150, 2]
+    wcs.wcs.cdelt, wcs.wcs.crpix = [-1e-4, 1e-4], [60, 60]
     moved = wcs.to_header()
     moved["CRPIX1"] += 3
     there = fits.PrimaryHDU(red, moved)

@@ -4,6 +4,7 @@
 //!
 //! - `lint`: clippy over the firmware, which is no part of the workspace;
 //! - `host`: the golden digests on this machine; with `--store`, writes them;
+//! - `roots`: the square roots of every processor, of one more with the F extension, and whose they are;
 //! - `digests`: the golden digests on every processor, and those of the examples in C and C++ on the Cortex-M7;
 //! - `paper`: the paper's size on the Cortex-M7;
 //! - `flight`: the example for flight computers;
@@ -24,8 +25,9 @@ mod tables;
 
 use anyhow::{Context, Result, bail};
 use emulator::Run;
-use machines::{MACHINES, MEASURED, Machine};
+use machines::{MACHINES, MEASURED, Machine, RV32IMAFC};
 use report::Report;
+use skyfront_core::arithmetic::machine::Plain;
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper;
@@ -36,7 +38,7 @@ use std::path::PathBuf;
 use std::thread::ScopedJoinHandle;
 use std::time::Duration;
 
-const PARTS: [&str; 7] = ["host", "digests", "paper", "flight", "track", "resources", "lint"];
+const PARTS: [&str; 8] = ["host", "roots", "digests", "paper", "flight", "track", "resources", "lint"];
 
 /// What the names of the digests begin with that only the examples in C and C++ print.
 const FOREIGN: &str = "c/";
@@ -51,7 +53,7 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
     if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
-        bail!("usage: skyfront-on-target [host|digests|paper|flight|track|resources|lint] [--store]");
+        bail!("usage: skyfront-on-target [host|roots|digests|paper|flight|track|resources|lint] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
     let store = options.contains(&"--store");
@@ -60,6 +62,9 @@ fn main() -> Result<()> {
         problems += host(store)?;
     }
     build(&wanted)?;
+    if wanted("roots") {
+        problems += roots();
+    }
     if wanted("digests") {
         let (foreign, own) = golden()?.into_iter().partition(|(name, _)| name.starts_with(FOREIGN));
         problems += std::thread::scope(|scope| {
@@ -95,7 +100,8 @@ fn build(wanted: &impl Fn(&str) -> bool) -> Result<()> {
     let everywhere = of(&[("digests", &["digests"]), ("flight", &["flight"])]);
     let measured = of(&[("paper", &["paper_size"]), ("track", &["track"]), ("resources", &resources::programs())]);
     build::programs(&everywhere, &MACHINES)?;
-    build::programs(&measured, &MEASURED)
+    build::programs(&measured, &MEASURED)?;
+    build::programs(&of(&[("roots", &["roots"])]), &with_roots())
 }
 
 /// What a thread came to.
@@ -209,6 +215,27 @@ fn here() -> Result<Report> {
         bail!("these runs fail on this machine: {failed:?}");
     }
     Ok(report)
+}
+
+/// All machines whose square roots are compared.
+fn with_roots() -> Vec<Machine> {
+    MACHINES.iter().copied().chain([RV32IMAFC]).collect()
+}
+
+/// Compares square roots with those of software here, and holds every machine to its own instruction.
+fn roots() -> usize {
+    let (machines, expected) = (with_roots(), BTreeMap::from([("roots".to_owned(), bits::roots::<Plain>())]));
+    let mut problems = 0;
+    for (machine, Run { report, .. }) in machines.iter().zip(emulator::run_all(&machines, "roots", LIMIT)) {
+        let hardware =
+            report.as_ref().ok().and_then(|report| report.resources.get("hardware")).map(|&(value, _)| value);
+        problems += differing(&format!("square roots on {}", machine.name), report, &expected);
+        if hardware != Some(u64::from(machine.has_root)) {
+            println!("  hardware: {hardware:?}, and not {}", machine.has_root);
+            problems += 1;
+        }
+    }
+    problems
 }
 
 /// The paper's size on this machine.

@@ -9,12 +9,13 @@
 //! - `paper`: the paper's size on the Cortex-M7;
 //! - `flight`: the example for flight computers;
 //! - `track`: what twenty windows of a star tracker take;
-//! - `resources`: flash, stack and instructions against the stored table; with `--store`, writes it.
+//! - `resources`: flash, stack and instructions against the stored table, and no double precision on the Cortex-M7; with `--store`, writes it.
 //!
 //! Without a part: all. Exit code 0 when all is well. A machine that is missing, hangs, or leaves
 //! something out is a failure that says which.
 
 mod build;
+mod doubles;
 mod elf;
 mod emulator;
 mod foreign;

@@ -8,7 +8,7 @@
 //! - `digests`: the golden digests on every processor, and those of the examples in C and C++ on the Cortex-M7;
 //! - `paper`: the paper's size on the Cortex-M7;
 //! - `flight`: the example for flight computers;
-//! - `track`: what twenty windows of a star tracker take;
+//! - `track`: what twenty windows of a star tracker take, and no double precision on the Cortex-M7;
 //! - `resources`: flash, stack and instructions against the stored table, and no double precision on the Cortex-M7; with `--store`, writes it.
 //!
 //! Without a part: all. Exit code 0 when all is well. A machine that is missing, hangs, or leaves
@@ -82,6 +82,7 @@ fn main() -> Result<()> {
         problems += flight();
     }
     if wanted("track") {
+        doubles::none_in(&build::image(MACHINES[0].target, "track"))?;
         problems += windows();
     }
     if wanted("resources") {

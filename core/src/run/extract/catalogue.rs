@@ -19,7 +19,7 @@ pub struct Measuring(usize);
 impl<L: Level, P: Sample> Extractor<'_, '_, L, P> {
     /// Measures the sources of a run that is done, at most `rows` rows (at least one) of the frame, or as many regions
     /// as these have pixels; tells whether all is measured. `sums` has the source of label 1 first, and starts with
-    /// [`Sums::default`]. These are the numbers that the command line prints, to the bit.
+    /// [`Sums::EMPTY`]. These are the numbers that the command line prints, to the bit.
     ///
     /// Reads each pixel of a source once more. A run that was restored in between measures again from the start.
     ///
@@ -114,4 +114,122 @@ fn mark<L: Level>(regions: &[Region<L>], labels: &[u32], sums: &mut [Sums]) {
 
 fn of_label(sums: &mut [Sums], label: u32) -> Option<&mut Sums> {
     (label as usize).checked_sub(1).and_then(|index| sums.get_mut(index))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{COUNT, HEIGHT, Room, WIDTH, counts};
+    use super::*;
+    use crate::arithmetic::Fixed14;
+    use crate::config::Config;
+    use crate::plane::camera::Camera;
+    use crate::plane::raster::{BadPixel, Raster};
+
+    extern crate std;
+    use std::vec;
+    use std::vec::Vec;
+
+    const CAMERA: Camera = Camera { black: 0.0, gain: 2.0, read_noise: 5.0, saturation: 2000.0, psf_sigma: 1.0 };
+
+    /// What a run measures in parts of so many rows.
+    fn measured<L: Level>(frame: &[u16], known: Known<'_>, rows: usize) -> Vec<Sums> {
+        let mut room = Room::<L>::full_of(0);
+        let frame = Raster::new(frame, WIDTH, HEIGHT, WIDTH).expect("a frame");
+        let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, room.work()).expect("room enough");
+        let found = loop {
+            if let Progress::Done(found) = run.poll(usize::MAX).expect("a sky with noise") {
+                break found;
+            }
+        };
+        let mut sums = vec![Sums::default(); found.sources as usize];
+        let (mut so_far, mut calls) = (Measuring::default(), 1);
+        while !run.measure(&mut so_far, rows, &mut sums).expect("room for all") {
+            calls += 1;
+        }
+        assert!(calls >= HEIGHT.div_ceil(rows), "{calls} calls of {rows} rows");
+        assert_eq!(sums.iter().map(|sums| sums.area).sum::<u32>(), found.mask_pixels);
+        sums
+    }
+
+    #[test]
+    fn parts_of_any_size_and_all_arithmetics_measure_the_same_numbers() {
+        let frame = counts(4000.0, WIDTH);
+        let whole = measured::<f32>(&frame, Known::default(), usize::MAX);
+        assert!(whole.len() > 1);
+        for rows in [1, 7, HEIGHT] {
+            assert_eq!(measured::<f32>(&frame, Known::default(), rows), whole, "{rows} rows");
+        }
+        // Two arithmetics may outline differently, but measure the same pixels.
+        for sums in measured::<Fixed14>(&frame, Known::default(), 7) {
+            let same = whole
+                .iter()
+                .find(|other| (other.columns, other.rows, other.area) == (sums.columns, sums.rows, sums.area));
+            assert!(same.is_none_or(|same| same.centroid() == sums.centroid()));
+        }
+    }
+
+    #[test]
+    fn a_camera_tells_saturation_and_the_noise_of_light() {
+        let frame = counts(4000.0, WIDTH);
+        let without = measured::<f32>(&frame, Known::default(), 9);
+        let peaks = without.iter().filter_map(|sums| sums.peak).map(|(peak, _)| peak);
+        // The brightest pixel just reaches it.
+        let camera = Camera { saturation: peaks.fold(0.0, f32::max), ..CAMERA };
+        let with = measured::<f32>(&frame, Known { camera: Some(&camera), ..Known::default() }, 9);
+        let is_saturated = |sums: &&Sums| sums.flags() & flags::SATURATED != 0;
+        let saturated = [&without, &with].map(|sums| sums.iter().filter(is_saturated).count());
+        assert!(saturated[0] == 0 && (1..with.len()).contains(&saturated[1]), "{saturated:?}");
+        for (without, with) in without.iter().zip(&with) {
+            assert_eq!((with.area, with.peak), (without.area, without.peak));
+            assert_eq!(with.peak.is_some_and(|(peak, _)| peak >= camera.saturation), is_saturated(&with));
+            assert!(with.centroid().errors.0 > without.centroid().errors.0);
+        }
+    }
+
+    #[test]
+    fn undefined_pixels_and_the_edge_are_flags() {
+        let frame = counts(4000.0, WIDTH);
+        let whole = measured::<f32>(&frame, Known::default(), 5);
+        let star = whole.iter().max_by(|a, b| a.total().total_cmp(&b.total())).expect("a star");
+        let (_, (x, y)) = star.peak.expect("defined pixels");
+        let bad = [BadPixel { x: x as u16, y: y as u16 }];
+        let with = measured::<f32>(&frame, Known { bad: &bad, ..Known::default() }, 5);
+        let masked: Vec<&Sums> = with.iter().filter(|sums| sums.flags() & flags::MASKED != 0).collect();
+        assert!(masked.len() == 1 && masked[0].rows.0 <= y && masked[0].rows.1 >= y, "{masked:?}");
+        let at_edge = |sums: &&Sums| {
+            sums.columns.0 == 0
+                || sums.rows.0 == 0
+                || sums.columns.1 == WIDTH as u32 - 1
+                || sums.rows.1 == HEIGHT as u32 - 1
+        };
+        for sums in &whole {
+            assert_eq!(at_edge(&sums), sums.flags() & flags::TRUNCATED != 0, "{sums:?}");
+        }
+        assert!(whole.iter().any(|sums| at_edge(&sums)));
+    }
+
+    #[test]
+    fn what_is_too_early_or_too_short_is_refused() {
+        let frame = counts(4000.0, WIDTH);
+        let frame = Raster::new(&frame, WIDTH, HEIGHT, WIDTH).expect("a frame");
+        let mut room = Room::<f32>::full_of(0);
+        let mut run = Extractor::over(&Config::NOISE_AWARE, frame, Known::default(), room.work()).expect("room enough");
+        let measure = |run: &mut Extractor<'_, '_, f32, u16>, sums: &mut [Sums]| {
+            run.measure(&mut Measuring::default(), COUNT, sums)
+        };
+        assert!(matches!(measure(&mut run, &mut []), Err(Error::Together { .. })));
+        while !matches!(run.poll(usize::MAX), Ok(Progress::Done(_))) {}
+        assert!(
+            matches!(measure(&mut run, &mut []), Err(Error::Length { name: "sums", given: 0, needed }) if needed > 0)
+        );
+        let camera = Camera { gain: 0.0, ..CAMERA };
+        let mut room = Room::<f32>::full_of(0);
+        let refused = Extractor::over(
+            &Config::NOISE_AWARE,
+            frame,
+            Known { camera: Some(&camera), ..Known::default() },
+            room.work(),
+        );
+        assert!(matches!(refused, Err(Error::Parameter { name: "gain", .. })));
+    }
 }

@@ -223,7 +223,7 @@ impl<L: Level, P: Sample> Task for SignalRow<'_, L, P> {
                 let signal = (pixel - level) / noise;
                 let usable = values.holds(pixel) & (noise > 0.0) & signal.is_finite();
                 noise_seen |= usable;
-                *out = L::of(if usable { signal } else { 0.0 });
+                *out = L::signal(if usable { signal } else { 0.0 });
             }
         }
         read.has_noise |= noise_seen;

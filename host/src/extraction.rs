@@ -11,6 +11,7 @@ use skyfront_core::arithmetic::machine::Task;
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::front::bands;
 use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::crew::Crew;
 use skyfront_core::plane::mask::{Mask, mask_words};
@@ -74,6 +75,9 @@ pub fn segment<A: Arithmetic, L: Level>(
     width: usize,
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
+    if !drive.bands.is_empty() {
+        bands::serve::<A>(config, drive.bands.len() + 1)?;
+    }
     let few = (pixels.len() / PIXELS_OF_REGION).max(LEAST_REGIONS);
     with_few_regions::<A, L>(config, pixels, width, drive, few)
 }

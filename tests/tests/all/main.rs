@@ -54,5 +54,6 @@ mod thresholds;
 mod track;
 mod upset_table;
 mod upsets;
+mod vector;
 mod wrappings;
 mod zoo;

@@ -9,6 +9,7 @@
 //! - `paper`: the paper's size on the Cortex-M7;
 //! - `flight`: the example for flight computers;
 //! - `track`: what twenty windows of a star tracker take, and no double precision on the Cortex-M7;
+//! - `polls`: what the default takes on a star camera's frame on the Cortex-M7, and the costliest poll of every stage;
 //! - `resources`: flash, stack and instructions against the stored table, and no double precision on the Cortex-M7; with `--store`, writes it.
 //!
 //! Without a part: all. Exit code 0 when all is well. A machine that is missing, hangs, or leaves
@@ -32,6 +33,7 @@ use skyfront_core::arithmetic::machine::Plain;
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper;
+use skyfront_workload::polls;
 use skyfront_workload::sources::Room;
 use skyfront_workload::track;
 use std::collections::BTreeMap;
@@ -39,13 +41,17 @@ use std::path::PathBuf;
 use std::thread::ScopedJoinHandle;
 use std::time::Duration;
 
-const PARTS: [&str; 8] = ["host", "roots", "digests", "paper", "flight", "track", "resources", "lint"];
+const PARTS: [&str; 9] = ["host", "roots", "polls", "digests", "paper", "flight", "track", "resources", "lint"];
 
 /// What the names of the digests begin with that only the examples in C and C++ print.
 const FOREIGN: &str = "c/";
 
 /// Twenty windows of 21 x 21 in single precision on the Cortex-M7: the most instructions, and bytes of stack.
 const TRACK: (u64, u64) = (2_000_000, 4096);
+
+/// The default on a star camera's frame on the Cortex-M7: the most instructions per pixel and per poll of one row, and
+/// bytes of stack.
+const POLLS: (u64, u64, u64) = (6_910, 2_120_000, 9_400);
 
 /// How long a program may take: several times what it takes on two busy cores.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -54,7 +60,7 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
     if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
-        bail!("usage: skyfront-on-target [host|roots|digests|paper|flight|track|resources|lint] [--store]");
+        bail!("usage: skyfront-on-target [host|roots|polls|digests|paper|flight|track|resources|lint] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
     let store = options.contains(&"--store");
@@ -85,6 +91,9 @@ fn main() -> Result<()> {
         doubles::none_in(&build::image(MACHINES[0].target, "track"))?;
         problems += windows();
     }
+    if wanted("polls") {
+        problems += polls();
+    }
     if wanted("resources") {
         problems += needs(store)?;
     }
@@ -103,6 +112,7 @@ fn build(wanted: &impl Fn(&str) -> bool) -> Result<()> {
     let measured = of(&[("paper", &["paper_size"]), ("track", &["track"]), ("resources", &resources::programs())]);
     build::programs(&everywhere, &MACHINES)?;
     build::programs(&measured, &MEASURED)?;
+    build::programs(&of(&[("polls", &["polls"])]), &MACHINES[..1])?;
     build::programs(&of(&[("roots", &["roots"])]), &with_roots())
 }
 
@@ -199,6 +209,28 @@ fn windows() -> usize {
         }
     }
     problems
+}
+
+/// Counts the polls of the default on a star camera's frame, and holds the Cortex-M7 to its limits.
+fn polls() -> usize {
+    let (machine, report) = (&MACHINES[0], emulator::run(&MACHINES[0], "polls", LIMIT));
+    let all = report.as_ref().map(|report| report.resources.clone()).unwrap_or_default();
+    let value = |name: &str| all.get(name).map_or(0, |&(value, _)| value);
+    let worst = all.iter().filter(|(name, _)| name.ends_with("/worst")).map(|(_, &(value, _))| value).max();
+    for (name, (instructions, _)) in &all {
+        if let Some(stage) = name.strip_suffix("/worst") {
+            let mean = value(&format!("{stage}/mean"));
+            println!("a poll of one row, {stage} on {}: {instructions} instructions, mean {mean}", machine.name);
+        }
+    }
+    let [pixel, stack, sources] = ["pixel", "stack", "sources"].map(value);
+    println!("the default on {}: {pixel} instructions per pixel, {stack} bytes of stack", machine.name);
+    let is_within = pixel <= POLLS.0 && worst.is_some_and(|worst| worst <= POLLS.1) && stack <= POLLS.2;
+    if sources == polls::STARS as u64 && is_within {
+        return 0;
+    }
+    println!("  {sources} sources of {}, or more than {POLLS:?}: {:?}", polls::STARS, report.err());
+    1
 }
 
 /// The digests that this machine computes.

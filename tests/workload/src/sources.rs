@@ -43,7 +43,10 @@ pub struct Room<L: Level> {
     rows: [L; ROOM_ROWS * WIDTH],
     mesh: [Sky; mesh_cells(WIDTH, HEIGHT, CELL)],
     regions: [Region<L>; regions(WIDTH, HEIGHT)],
+    sums: [Sums; SOURCES],
 }
+
+type Parts<'r, L> = (&'r [f32; PIXELS], &'r mut [u16; STRIDE * HEIGHT], Workspace<'r, L>, &'r mut [Sums; SOURCES]);
 
 impl<L: Level> Room<L> {
     /// Memory of zeros, which costs no flash.
@@ -56,6 +59,7 @@ impl<L: Level> Room<L> {
         rows: [L::BLANK; ROOM_ROWS * WIDTH],
         mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT, CELL)],
         regions: [Region::BLANK; regions(WIDTH, HEIGHT)],
+        sums: [Sums::EMPTY; SOURCES],
     };
 
     /// Runs the default on every sky and gives `tell` each digest with its name.
@@ -71,15 +75,21 @@ impl<L: Level> Room<L> {
 
     /// The pixels, the buffer of a camera, and what a run works in.
     pub fn work(&mut self) -> (&[f32; PIXELS], &mut [u16; STRIDE * HEIGHT], Workspace<'_, L>) {
-        let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
-        let Room { pixels, counts, masked, rows, mesh, regions, .. } = self;
-        let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
+        let (pixels, counts, work, _) = self.parts();
         (pixels, counts, work)
+    }
+
+    /// The same and the catalogue.
+    fn parts(&mut self) -> Parts<'_, L> {
+        let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
+        let Room { pixels, counts, masked, rows, mesh, regions, sums, .. } = self;
+        let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
+        (pixels, counts, work, sums)
     }
 
     /// The same sky as a camera has it in its buffer, with two bad pixels.
     fn counts(&mut self, mut tell: impl FnMut(&str, u32)) {
-        let (pixels, counts, work) = self.work();
+        let (pixels, counts, work, sums) = self.parts();
         for (counts, pixels) in counts.chunks_exact_mut(STRIDE).zip(pixels.chunks_exact(WIDTH)) {
             counts.iter_mut().zip(pixels).for_each(|(count, pixel)| *count = (500.0 + 3000.0 * pixel) as u16);
         }
@@ -90,7 +100,7 @@ impl<L: Level> Room<L> {
         let found = frame.and_then(|frame| {
             let mut extractor = Extractor::over(&Config::NOISE_AWARE, frame, known, work)?;
             let (found, _) = run(&mut extractor)?;
-            Ok((found, catalogue_digest(&mut extractor, found.sources as usize)?))
+            Ok((found, catalogue_digest(&mut extractor, found.sources as usize, sums)?))
         });
         match found {
             Ok((found, catalogue)) => {
@@ -140,9 +150,14 @@ fn run<L: Level, P: Sample>(run: &mut Extractor<'_, '_, L, P>) -> Result<(Found,
 }
 
 /// What the sources measure, a few rows at a time.
-fn catalogue_digest<L: Level, P: Sample>(run: &mut Extractor<'_, '_, L, P>, sources: usize) -> Result<u32, Error> {
-    let (mut sums, mut so_far) = ([Sums::EMPTY; SOURCES], Measuring::default());
-    while !run.measure(&mut so_far, ROWS, &mut sums)? {}
+fn catalogue_digest<L: Level, P: Sample>(
+    run: &mut Extractor<'_, '_, L, P>,
+    sources: usize,
+    sums: &mut [Sums],
+) -> Result<u32, Error> {
+    let mut so_far = Measuring::default();
+    sums.fill(Sums::EMPTY);
+    while !run.measure(&mut so_far, ROWS, sums)? {}
     let numbers = sums.iter().take(sources).flat_map(|sums| {
         let (Centroid { x, y, moments, errors }, flux) = (sums.centroid(), sums.flux(Some(2.0)));
         let levels = sums.levels();

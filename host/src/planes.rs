@@ -1,7 +1,8 @@
 //! Memory for the planes of a frame, and for a run.
 
-use skyfront_core::arithmetic::{Arithmetic, Bits, Level};
+use skyfront_core::arithmetic::{Arithmetic, Bits, Cell, Level};
 use skyfront_core::config::{Config, Scheme};
+use skyfront_core::front::bands::{Band, Bands};
 use skyfront_core::plane::mask::mask_words;
 use skyfront_core::plane::smooth::ROOM_ROWS;
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
@@ -57,6 +58,25 @@ impl<A: Arithmetic> Room<A> {
             counts: &mut self.counts,
             sources: &mut self.sources,
         }
+    }
+}
+
+/// The memory for further bands of a run ([`skyfront_core::front::bands`]).
+#[derive(Debug)]
+pub struct BandRoom<A: Arithmetic> {
+    planes: Vec<A::Cell>,
+    each: Vec<Band>,
+}
+
+impl<A: Arithmetic> BandRoom<A> {
+    /// Room for so many bands of so many pixels, the first of them included.
+    pub fn new(bands: usize, pixels: usize) -> Self {
+        BandRoom { planes: plane(bands * pixels, A::Cell::BLANK), each: vec![Band::NEW; bands] }
+    }
+
+    /// The slices for a segmenter.
+    pub fn bands(&mut self) -> Bands<'_, A> {
+        Bands { planes: &mut self.planes, each: &mut self.each }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The front: where it starts, what speed it has, the schemes that move it, and when it stops.
 
+#[deny(clippy::arithmetic_side_effects)]
+pub mod bands;
 pub mod edge;
 pub mod march;
 pub mod outline;

@@ -4,16 +4,18 @@
 //!
 //! - `lint`: clippy over the firmware, which is no part of the workspace;
 //! - `host`: the golden digests on this machine; with `--store`, writes them;
+//! - `roots`: the square roots of every processor, of one more with the F extension, and whose they are;
 //! - `digests`: the golden digests on every processor, and those of the examples in C and C++ on the Cortex-M7;
 //! - `paper`: the paper's size on the Cortex-M7;
 //! - `flight`: the example for flight computers;
-//! - `track`: what twenty windows of a star tracker take;
-//! - `resources`: flash, stack and instructions against the stored table; with `--store`, writes it.
+//! - `track`: what twenty windows of a star tracker take, and no double precision on the Cortex-M7;
+//! - `resources`: flash, stack and instructions against the stored table, and no double precision on the Cortex-M7; with `--store`, writes it.
 //!
 //! Without a part: all. Exit code 0 when all is well. A machine that is missing, hangs, or leaves
 //! something out is a failure that says which.
 
 mod build;
+mod doubles;
 mod elf;
 mod emulator;
 mod foreign;
@@ -24,8 +26,9 @@ mod tables;
 
 use anyhow::{Context, Result, bail};
 use emulator::Run;
-use machines::{MACHINES, MEASURED, Machine};
+use machines::{MACHINES, MEASURED, Machine, RV32IMAFC};
 use report::Report;
+use skyfront_core::arithmetic::machine::Plain;
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper;
@@ -36,7 +39,7 @@ use std::path::PathBuf;
 use std::thread::ScopedJoinHandle;
 use std::time::Duration;
 
-const PARTS: [&str; 7] = ["host", "digests", "paper", "flight", "track", "resources", "lint"];
+const PARTS: [&str; 8] = ["host", "roots", "digests", "paper", "flight", "track", "resources", "lint"];
 
 /// What the names of the digests begin with that only the examples in C and C++ print.
 const FOREIGN: &str = "c/";
@@ -51,7 +54,7 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
     if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
-        bail!("usage: skyfront-on-target [host|digests|paper|flight|track|resources|lint] [--store]");
+        bail!("usage: skyfront-on-target [host|roots|digests|paper|flight|track|resources|lint] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
     let store = options.contains(&"--store");
@@ -60,6 +63,9 @@ fn main() -> Result<()> {
         problems += host(store)?;
     }
     build(&wanted)?;
+    if wanted("roots") {
+        problems += roots();
+    }
     if wanted("digests") {
         let (foreign, own) = golden()?.into_iter().partition(|(name, _)| name.starts_with(FOREIGN));
         problems += std::thread::scope(|scope| {
@@ -76,6 +82,7 @@ fn main() -> Result<()> {
         problems += flight();
     }
     if wanted("track") {
+        doubles::none_in(&build::image(MACHINES[0].target, "track"))?;
         problems += windows();
     }
     if wanted("resources") {
@@ -95,7 +102,8 @@ fn build(wanted: &impl Fn(&str) -> bool) -> Result<()> {
     let everywhere = of(&[("digests", &["digests"]), ("flight", &["flight"])]);
     let measured = of(&[("paper", &["paper_size"]), ("track", &["track"]), ("resources", &resources::programs())]);
     build::programs(&everywhere, &MACHINES)?;
-    build::programs(&measured, &MEASURED)
+    build::programs(&measured, &MEASURED)?;
+    build::programs(&of(&[("roots", &["roots"])]), &with_roots())
 }
 
 /// What a thread came to.
@@ -209,6 +217,27 @@ fn here() -> Result<Report> {
         bail!("these runs fail on this machine: {failed:?}");
     }
     Ok(report)
+}
+
+/// All machines whose square roots are compared.
+fn with_roots() -> Vec<Machine> {
+    MACHINES.iter().copied().chain([RV32IMAFC]).collect()
+}
+
+/// Compares square roots with those of software here, and holds every machine to its own instruction.
+fn roots() -> usize {
+    let (machines, expected) = (with_roots(), BTreeMap::from([("roots".to_owned(), bits::roots::<Plain>())]));
+    let mut problems = 0;
+    for (machine, Run { report, .. }) in machines.iter().zip(emulator::run_all(&machines, "roots", LIMIT)) {
+        let hardware =
+            report.as_ref().ok().and_then(|report| report.resources.get("hardware")).map(|&(value, _)| value);
+        problems += differing(&format!("square roots on {}", machine.name), report, &expected);
+        if hardware != Some(u64::from(machine.has_root)) {
+            println!("  hardware: {hardware:?}, and not {}", machine.has_root);
+            problems += 1;
+        }
+    }
+    problems
 }
 
 /// The paper's size on this machine.

@@ -6,15 +6,18 @@ use skyfront_core::arithmetic::Level;
 use skyfront_core::arithmetic::digest;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::plane::camera::Camera;
 use skyfront_core::plane::mask::mask_words;
 use skyfront_core::plane::raster::{BadPixel, Raster, Sample};
 use skyfront_core::plane::smooth::ROOM_ROWS;
+use skyfront_core::run::extract::catalogue::Measuring;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{CELL, Sky, mesh_cells};
+use skyfront_core::sources::measure::{Centroid, Sums};
 use skyfront_core::sources::tree::Region;
 
 /// Columns of every sky: two cells of the mesh.
@@ -24,6 +27,8 @@ pub const HEIGHT: usize = 72;
 const PIXELS: usize = WIDTH * HEIGHT;
 /// Pixels from a row of a camera's buffer to the next.
 const STRIDE: usize = WIDTH + 12;
+/// Room for the sources of a sky.
+const SOURCES: usize = 64;
 /// Rows of a poll, which have no part in the digests.
 const ROWS: usize = 7;
 
@@ -78,11 +83,20 @@ impl<L: Level> Room<L> {
         for (counts, pixels) in counts.chunks_exact_mut(STRIDE).zip(pixels.chunks_exact(WIDTH)) {
             counts.iter_mut().zip(pixels).for_each(|(count, pixel)| *count = (500.0 + 3000.0 * pixel) as u16);
         }
+        let camera = Camera { black: 0.0, gain: 2.0, read_noise: 5.0, saturation: 2500.0, psf_sigma: 1.0 };
         let bad = [BadPixel { x: 9, y: 3 }, BadPixel { x: 70, y: 50 }];
-        let known = Known { bad: &bad, ..Known::default() };
+        let known = Known { bad: &bad, camera: Some(&camera), ..Known::default() };
         let frame = Raster::new(counts, WIDTH, HEIGHT, STRIDE);
-        match frame.and_then(|frame| run(Extractor::over(&Config::NOISE_AWARE, frame, known, work)?)) {
-            Ok((found, _)) => tell("found", found_digest(&found)),
+        let found = frame.and_then(|frame| {
+            let mut extractor = Extractor::over(&Config::NOISE_AWARE, frame, known, work)?;
+            let (found, _) = run(&mut extractor)?;
+            Ok((found, catalogue_digest(&mut extractor, found.sources as usize)?))
+        });
+        match found {
+            Ok((found, catalogue)) => {
+                tell("found", found_digest(&found));
+                tell("catalogue", catalogue);
+            }
             Err(_) => tell("error", 0),
         }
         let [.., labels] = &self.words;
@@ -91,8 +105,8 @@ impl<L: Level> Room<L> {
 
     fn one(&mut self, mut tell: impl FnMut(&str, u32)) {
         let (pixels, _, work) = self.work();
-        let run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work).and_then(run);
-        let [smooth, front] = match run {
+        let extractor = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work);
+        let [smooth, front] = match extractor.and_then(|mut extractor| run(&mut extractor)) {
             Ok((found, planes)) => {
                 tell("found", found_digest(&found));
                 planes
@@ -112,7 +126,7 @@ impl<L: Level> Room<L> {
 }
 
 /// What a run found, and the digests of the image that its front starts from and of the front, whose place others take.
-fn run<L: Level, P: Sample>(mut run: Extractor<'_, '_, L, P>) -> Result<(Found, [u32; 2]), Error> {
+fn run<L: Level, P: Sample>(run: &mut Extractor<'_, '_, L, P>) -> Result<(Found, [u32; 2]), Error> {
     let mut planes = None;
     loop {
         match run.poll(ROWS)? {
@@ -123,6 +137,20 @@ fn run<L: Level, P: Sample>(mut run: Extractor<'_, '_, L, P>) -> Result<(Found, 
             _ => {}
         }
     }
+}
+
+/// What the sources measure, a few rows at a time.
+fn catalogue_digest<L: Level, P: Sample>(run: &mut Extractor<'_, '_, L, P>, sources: usize) -> Result<u32, Error> {
+    let (mut sums, mut so_far) = ([Sums::EMPTY; SOURCES], Measuring::default());
+    while !run.measure(&mut so_far, ROWS, &mut sums)? {}
+    let numbers = sums.iter().take(sources).flat_map(|sums| {
+        let (Centroid { x, y, moments, errors }, flux) = (sums.centroid(), sums.flux(Some(2.0)));
+        let levels = sums.levels();
+        [x, y, moments.0, moments.1, moments.2, errors.0, errors.1, errors.2, flux.value, flux.error]
+            .into_iter()
+            .chain([levels.background, levels.noise, levels.threshold, f64::from(sums.flags()), f64::from(sums.area)])
+    });
+    Ok(words(numbers.map(f64::to_bits).flat_map(|bits| [bits as u32, (bits >> 32) as u32])))
 }
 
 fn found_digest(found: &Found) -> u32 {

@@ -112,7 +112,7 @@ fn in_room<A: Arithmetic, L: Level>(
         drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
     let mut room = SignalRoom::<L>::new(config, (count, width), image, regions, drive.threads);
     let (background, noise) = (drive.background, drive.noise);
-    let known = Known { background, noise, relative: drive.relative, whole: drive.whole, bad: &[] };
+    let known = Known { background, noise, relative: drive.relative, whole: drive.whole, ..Known::default() };
     let mut run = Extractor::new(config, pixels, width, known, room.workspace())?;
     let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
     let (mut front, mut stages) = (Vec::new(), None);

@@ -110,7 +110,7 @@ impl<L: Level> SignalRoom<L> {
         SignalRoom {
             levels: [(); 3].map(|()| in_large_pages(zeros(count))),
             labels: in_large_pages(vec![0; count]),
-            lists: [(); 2].map(|()| vec![0; count]),
+            lists: [(); 2].map(|()| list(count)),
             masked: vec![0; mask_words(count)],
             rows: vec![L::BLANK; room_rows(count / columns.max(1), threads) * columns],
             mesh: vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())],
@@ -131,6 +131,14 @@ fn zeros<L: Level>(count: usize) -> Vec<L> {
     let zeros = Box::<[L]>::new_zeroed_slice(count);
     // SAFETY: a level of which all bits are 0 is the number 0, in single precision and in fixed point.
     unsafe { zeros.assume_init() }.into_vec()
+}
+
+/// A list as long as a plane, of which as much is touched as is used: in large pages where a part of one is little beside
+/// that.
+fn list(count: usize) -> Vec<u32> {
+    const MANY: usize = 1 << 23;
+    let list = vec![0; count];
+    if count < MANY { list } else { in_large_pages(list) }
 }
 
 /// A plane that nobody has touched, in large pages where the system has them.

@@ -30,6 +30,7 @@ mod memory;
 mod multiphase;
 mod mutants;
 mod no_panic;
+mod on_board;
 mod paper_table;
 mod pipeline;
 mod products;

@@ -4,6 +4,7 @@ use crate::case::{self, HEIGHT, Scene, WIDTH};
 use crate::run::{self, to_the_end};
 use core::convert::Infallible;
 use skyfront_core::arithmetic::digest::{self, Digest};
+use skyfront_core::arithmetic::machine::Machine;
 use skyfront_core::arithmetic::{Arithmetic, Cell};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
@@ -31,6 +32,21 @@ pub fn powers() -> u32 {
     for i in 1..=100u16 {
         let value = libm::powf(f32::from(i) / 101.0, 0.25 + f32::from(i) / 64.0);
         digest.bytes(&value.to_le_bytes());
+    }
+    digest.value()
+}
+
+/// CRC-32 of square roots as a machine takes them, of every exponent and of mantissas that end anywhere.
+#[must_use]
+pub fn roots<M: Machine>() -> u32 {
+    let mut digest = Digest::default();
+    let mut state = 1u32;
+    for exponent in 0..255u32 {
+        for _ in 0..64 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let root = M::sqrt(f32::from_bits(exponent << 23 | state >> 9));
+            digest.bytes(&root.to_le_bytes());
+        }
     }
     digest.value()
 }

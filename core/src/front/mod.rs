@@ -1,6 +1,5 @@
 //! The front: where it starts, what speed it has, the schemes that move it, and when it stops.
 
-#[deny(clippy::arithmetic_side_effects)]
 pub mod bands;
 pub mod edge;
 pub mod march;

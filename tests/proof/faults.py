@@ -33,17 +33,17 @@ FAULTS = [
     ("spikes keep their light", "core/src/sky/spike.rs", "alone { <<median>> } else", "own", "core:sky:: all:rules_default::"),
     ("the mirror at the border misses a pixel", "core/src/plane/smooth.rs", "else { <<distance - at - 1>> };", "distance - at", "core:plane:: all:rules_default::"),
     ("everything is smoothed by the spline", "core/src/sky/signal.rs", "magnitude() >= <<least>> { fine }", "least + least", "all:rules_default::"),
-    ("the mask is too narrow", "core/src/sky/signal.rs", "mark(work.fine, <<L::of(NEAR)>>,", "L::of(0.25)", "all:rules_default::"),
+    ("the mask is too narrow", "core/src/sky/signal.rs", "mark_rows(rows, (work.fine, <<L::of(NEAR)>>), work.rows", "L::of(0.25)", "all:rules_default::"),
     ("photons count half", "core/src/sky/photon.rs", "<<PHOTON_MARGIN * photon>>)", "0.75 * photon", "core:sky::"),
-    ("the photon noise is the greatest level's", "core/src/sky/photon.rs", "least.is_some_and(|least| <<least < slope>>)", "least > slope", "core:sky:: all:rules_default::"),
-    ("tails are not raised", "core/src/sky/tail.rs", "(false, _) => <<0.0>>,", "0.3", "core:sky:: all:rules_default::"),
+    ("the photon noise is the greatest level's", "core/src/sky/photon.rs", "curve.least = if <<curve.least < slope>> {", "curve.least.is_finite() && curve.least > slope", "core:sky:: all:rules_default::"),
+    ("symmetric noise has a tail", "core/src/sky/tail.rs", "let skewness = (cubes / count / (variance * libm::sqrt(variance))) as f32;\n    if skewness < LEAST { <<0.0>> }", "0.3", "core:sky:: all:rules_default::"),
     # The paper's image steps.
     ("r2 is r1", "core/src/image/rescale.rs", "A::pow(<<A::log2_1p(x)>>, alpha)", "x", "all:rules::every_rule_of"),
     ("r3 is damped by the root", "core/src/image/rescale.rs", "tau * A::pow(x.ratio(tau), <<damp>>)", "EIGHTH_ROOT", "all:crosscheck::"),
     ("Otsu takes the last of equals", "core/src/sky/otsu.rs", "if <<between > best>> {", "between >= best", "core:sky:: all:thresholds::"),
     ("heat flows a little faster", "core/src/image/filter.rs", "i + <<filter.lambda>> * ((l + r) + (b + a)));\n        }\n    }\n}\n\n/// One step of Perona", "(filter.lambda + filter.lambda)", "all:crosscheck::"),
     ("F1 is F2", "core/src/image/filter.rs", "Diffusivity::F1 => <<d.ratio(A::Real::ONE + s * s)>>,", "A::exp_neg(s * s) * d", "all:rules::every_filter"),
-    ("the median is the next", "core/src/image/median.rs", "let [_, median, _] = <<sorted([least, middle, greatest])>>;", "[least, greatest, middle]", "core:image::median"),
+    ("the median is the next", "core/src/image/filter/median.rs", "let [_, median, _] = <<sorted([least, middle, greatest])>>;", "[least, greatest, middle]", "core:image::median"),
     # Edge detector and front.
     ("g1 is steeper", "core/src/front/edge.rs", "one.ratio(one + A::pow(<<z>>, p));", "z + z", "all:rules::every_filter"),
     ("g2 forgets the least gradient", "core/src/front/edge.rs", "(s - <<least>>).ratio(span)", "A::Real::ZERO", "all:crosscheck::"),
@@ -68,13 +68,13 @@ FAULTS = [
     ("light is read at the wrong corner", "core/src/plane/field.rs", "(row(first) * (L::ONE - <<part_y>>)", "part_x", "core:plane:: all:rules_default::"),
     ("wide sources are centred on their peaks", "core/src/sources/centre.rs", "if <<region.area > WIDE>> ||", "region.area > 100 * WIDE", "core:sources::centre"),
     ("plateaus are twice as large", "core/src/sources/centre.rs", "region.plateau < <<SHARE>> * region.area", "0.5", "core:sources::centre"),
-    ("the typical source is the median's", "core/src/sources/typical.rs", "sorted.get(<<count / 4>>)", "count / 2", "core:sources::typical"),
-    ("reopened groups need no area", "core/src/sources/deblend.rs", "(unexplained as u32) < <<least_area>> ||", "1", "all:rules_default:: all:settings::"),
+    ("the typical source is the lower octile's", "core/src/sources/typical.rs", "least.get(<<count / 4>>)", "count / 8", "core:sources::typical"),
+    ("reopened groups need no area", "core/src/sources/deblend.rs", "opening.unexplained >= <<least_area>> && is_peak", "1", "all:rules_default:: all:settings::"),
     ("the excess is not asked", "core/src/sources/deblend.rs", "L::of(<<excess>> * noise.least", "0.5 * excess", "all:rules_default:: all:settings::"),
-    ("borders lie elsewhere", "core/src/sources/deblend.rs", "let other_from = L::Weight::of(<<OTHER>>);", "1.5", "all:rules_default::"),
+    ("borders lie elsewhere", "core/src/sources/deblend.rs", "host.scaled(L::Weight::of(<<OTHER>>)) { faint }", "1.5", "all:rules_default::"),
     ("combs stay", "core/src/sources/deblend.rs", "(others >= <<6>> && same < 3)", "8", "all:rules_default::"),
     ("noise has other peaks", "core/src/sources/significance.rs", "libm::expf(<<-0.5>> * height", "-0.45", "all:rules_default::"),
-    ("the cut is asked once", "core/src/sources/selection.rs", "allowed = if <<share > allowed>> {", "false", "all:rules_default::"),
+    ("the cut is asked once", "core/src/sources/selection.rs", "*allowed = if <<share > *allowed>> {", "false", "all:rules_default::"),
     ("leniency for all", "core/src/sources/selection.rs", "else if <<!divided>> && enough", "true", "all:rules_default:: all:rules::"),
     ("light is not asked", "core/src/sources/selection.rs", "<<part * light>>)\n    };", "0.0 * part * light", "all:rules_default:: all:settings::"),
     ("centroids are a pixel off", "core/src/sources/catalog.rs", "self.x0 as f32 + <<dx>>", "dx + 1.0", "core:sources:: all:crosscheck::"),
@@ -116,17 +116,23 @@ pub fn fault(number: u32) -> bool {{
 """
 
 
+def planted():
+    """The files with all faults, by their paths; ends the program where a fault has no place, or several."""
+    places = {path: ROOT / path for _, path, *_ in FAULTS}
+    files = {path: place.read_text() if place.is_file() else "" for path, place in places.items()}
+    wrong = [(fault[0], plant(files, n, *fault[1:4])) for n, fault in enumerate(FAULTS, 1)]
+    if any(what for _, what in wrong):
+        sys.exit("\n".join(f"{name}: {what}" for name, what in wrong if what))
+    return files
+
+
 def copied(copy):
     """Copies the program with all its faults into a folder, and touches only what is not there yet."""
     names = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout.decode()
-    planted = {path: (ROOT / path).read_text() for _, path, *_ in FAULTS}
-    wrong = [(fault[0], plant(planted, n, *fault[1:4])) for n, fault in enumerate(FAULTS, 1)]
-    if any(what for _, what in wrong):
-        sys.exit("\n".join(f"{name}: {what}" for name, what in wrong if what))
-    lib = "core/src/lib.rs"
-    planted[lib] = planted.get(lib, (ROOT / lib).read_text()) + SWITCHES
+    files, lib = planted(), "core/src/lib.rs"
+    files[lib] = files.get(lib, (ROOT / lib).read_text()) + SWITCHES
     for name in names.split("\0")[:-1]:
-        bytes = planted[name].encode() if name in planted else (ROOT / name).read_bytes()
+        bytes = files[name].encode() if name in files else (ROOT / name).read_bytes()
         file = copy / name
         if not file.is_file() or file.read_bytes() != bytes:
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -170,11 +176,13 @@ def passes(copy, programs, check, environment):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="", help="faults whose name, file or checks hold this word")
-    parser.add_argument("--list", action="store_true", help="name the faults and do nothing")
+    parser.add_argument("--list", action="store_true", help="name the faults, see that each has its place, and build nothing")
     options = parser.parse_args()
     chosen = [(n, fault) for n, fault in enumerate(FAULTS, 1) if options.only in " ".join(fault)]
     if options.list:
-        sys.exit("\n".join(f"{n} {fault[0]} ({fault[1]})" for n, fault in chosen))
+        planted()
+        print("\n".join(f"{n} {fault[0]} ({fault[1]})" for n, fault in chosen))
+        return
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "faults"
     copy = target / "copy"
     copied(copy)
@@ -186,8 +194,8 @@ def main():
             sys.exit(f"{check} fails without any fault")
     lived = 0
     for n, (name, path, _, _, checks) in chosen:
-        planted = dict(environment, **{SWITCH: str(n)})
-        by = next((check for check in checks.split() if not passes(copy, programs, check, planted)), None)
+        switched = dict(environment, **{SWITCH: str(n)})
+        by = next((check for check in checks.split() if not passes(copy, programs, check, switched)), None)
         lived += by is None
         print(f"{f'caught by {by}' if by else 'LIVED':36} {path}: {name}", flush=True)
     print(f"{len(chosen)} faults, {lived} lived")

@@ -5,6 +5,15 @@
 use crate::arithmetic::Cell;
 
 /// A running CRC-32.
+///
+/// ```
+/// use skyfront_core::arithmetic::digest::Digest;
+///
+/// let mut digest = Digest::default();
+/// digest.bytes(b"1234");
+/// digest.bytes(b"56789");
+/// assert_eq!(digest.value(), 0xCBF4_3926);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digest(u32);
 

@@ -10,6 +10,15 @@ use fixed::types::extra::{LeEqU32, U14, U24};
 ///
 /// Every operation saturates at the ends of the range and never wraps; products and quotients are
 /// rounded to nearest, halves away from zero, so that `-(a b)` is `(-a) b`, bit for bit.
+///
+/// ```
+/// use skyfront_core::arithmetic::{Fixed14, Real};
+///
+/// let (three, tiny) = (Fixed14::of(3.0), Fixed14::of(1e-9));
+/// assert_eq!(three.ratio(Fixed14::of(8.0)).to_f32(), 0.375);
+/// assert_eq!(three.ratio(tiny), Fixed14::ZERO, "a divisor of 0 gives 0");
+/// assert_eq!((Fixed14::of(1e5) + Fixed14::of(1e5)).to_bits(), i32::MAX, "sums saturate");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fixed<F: Fraction>(FixedI32<F>);
 

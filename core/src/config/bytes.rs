@@ -122,6 +122,15 @@ fn value(parameter: &Parameter, [head, first, second]: [u32; 3]) -> Option<Value
 impl Config {
     /// Writes the configuration as a parameter table of [`length`] bytes; the rest of `out` is left as it is.
     ///
+    /// ```
+    /// use skyfront_core::config::{Config, bytes::length};
+    ///
+    /// let mut table = vec![0; length()];
+    /// Config::STAR_TRACKER.to_bytes(&mut table)?;
+    /// assert_eq!(Config::from_bytes(&table), Ok(Config::STAR_TRACKER));
+    /// # Ok::<(), skyfront_core::error::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Length`] where `out` is too short.
     pub fn to_bytes(&self, out: &mut [u8]) -> Result<(), Error> {

@@ -183,6 +183,15 @@ impl Connectivity {
 }
 
 /// Everything a run depends on. Lengths are in the paper's unit, in which a pixel measures `dx`.
+///
+/// ```
+/// use skyfront_core::config::Config;
+///
+/// let config = Config { min_area: 9, ..Config::NOISE_AWARE };
+/// assert!(config.validate_values().is_ok());
+/// let broken = Config { min_area: 0, ..config };
+/// assert!(broken.validate_values().expect_err("a bound").to_string().contains("min-area"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
     /// How sky and noise are known; with them the run is on signal-to-noise.

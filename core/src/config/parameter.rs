@@ -225,6 +225,17 @@ pub(super) enum Access {
 }
 
 /// A parameter of a run.
+///
+/// ```
+/// use skyfront_core::config::{Config, Parameter};
+///
+/// let mut config = Config::NOISE_AWARE;
+/// let threshold = Parameter::named("threshold").expect("it is in the table");
+/// let value = threshold.parse("1.5").expect("a number");
+/// threshold.set(&mut config, value)?;
+/// assert_eq!(config.outline.threshold, 1.5);
+/// # Ok::<(), skyfront_core::error::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     /// Its name, as an option (`--name`) and as a key of a configuration file.

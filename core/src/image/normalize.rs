@@ -51,6 +51,15 @@ fn of_rank(rank: i32) -> f32 {
 }
 
 /// The linear map that takes `low` to 0 and `high` to 1, clipped.
+///
+/// ```
+/// use skyfront_core::image::normalize::{Extremes, Range};
+///
+/// let mut extremes = Extremes::NONE;
+/// extremes.observe(&[200.0, f32::NAN, 100.0, 150.0]);
+/// let range = Range { low: extremes.least, high: extremes.greatest };
+/// assert_eq!([100.0, 150.0, 999.0, f32::NAN].map(|pixel| range.apply(pixel, 0.0)), [0.0, 0.5, 1.0, 0.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Becomes 0.

@@ -103,6 +103,24 @@ fn sevens(mut number: u32) -> ([u8; 5], usize) {
 
 /// Writes the next packet of stars; its bytes, or none where all are written. Cost: the bytes.
 ///
+/// ```
+/// use skyfront_core::packet::{Contents, Cursor, Packet, stars};
+/// use skyfront_core::track::Star;
+///
+/// let (mut cursor, mut out) = (Cursor::new(7), [0; 256]);
+/// let found = [Star { x: 12.5, y: 3.25, ..Star::default() }; 9];
+/// let mut received = 0;
+/// while let Some(length) = stars(&mut cursor, &found, &mut out)? {
+///     let packet = Packet::read(&out[..length]).expect("nothing was damaged");
+///     assert_eq!(packet.product, 7);
+///     if let Contents::Stars { records, .. } = packet.contents {
+///         received += records.count();
+///     }
+/// }
+/// assert_eq!((received, cursor.packet), (9, 2));
+/// # Ok::<(), skyfront_core::error::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Length`] for an `out` of fewer bytes than [`BYTES`] says; of more than that only as many are used.
 /// Then, as for the other kinds, the cursor stays where it is.

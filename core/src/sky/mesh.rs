@@ -104,6 +104,13 @@ pub const fn cells_along(length: usize, cell: usize) -> NonZero<usize> {
 }
 
 /// Elements of the memory that [`Mesh::measure`] needs: the mesh, and a copy to filter it from.
+///
+/// ```
+/// use skyfront_core::sky::{CELL, mesh_cells};
+///
+/// // A camera of 1024 x 768 pixels has 16 x 12 cells.
+/// assert_eq!(mesh_cells(1024, 768, CELL), 2 * 16 * 12);
+/// ```
 pub const fn mesh_cells(width: usize, height: usize, cell: usize) -> usize {
     2 * cells_along(width, cell).get() * cells_along(height, cell).get()
 }

@@ -6,6 +6,15 @@ use crate::config::Tau;
 pub const BINS: usize = 256;
 
 /// A histogram of values in [0, 1].
+///
+/// ```
+/// use skyfront_core::sky::otsu::Histogram;
+///
+/// let mut histogram = Histogram::EMPTY;
+/// [0.1, 0.1, 0.1, 0.9, 0.9].into_iter().for_each(|value| histogram.add(value));
+/// let tau = histogram.otsu();
+/// assert!(0.1 < tau && tau < 0.9);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Histogram(pub [u32; BINS]);
 

@@ -155,7 +155,7 @@ fn room() -> usize {
 
 #[unsafe(export_name = "simulate")]
 fn simulate(kind: Kind, conditions: Conditions, seed: u32, size: (usize, usize), y: usize, row: &mut [f32]) -> u32 {
-    let mut sky = Sky::new(kind, seed, size.0, size.1).under(conditions);
+    let Ok(mut sky) = Sky::new(kind, seed, size.0, size.1).under(conditions) else { return 0 };
     let Ok(()) = sky.row(y, row);
     sky.objects()
 }

@@ -24,6 +24,8 @@ pub trait Level: Real + Cell + Sealed {
     fn key(self) -> u32;
     /// The number that has the key.
     fn of_key(key: u32) -> Self;
+    /// A signal-to-noise, as near as the range allows: sums of two, also of sharpened ones, must be within it.
+    fn signal(value: f32) -> Self;
     /// The number of a column or row, or twice it.
     fn whole(pixels: usize) -> Self;
     /// The number times a factor.
@@ -60,6 +62,11 @@ impl Level for f32 {
     #[inline]
     fn of_key(key: u32) -> f32 {
         f32::from_bits(if key >> 31 == 1 { key & !(1 << 31) } else { !key })
+    }
+
+    #[inline(always)]
+    fn signal(value: f32) -> f32 {
+        value
     }
 
     #[inline(always)]
@@ -100,7 +107,10 @@ impl Level for f32 {
 
 impl Sealed for Fixed14 {}
 
-/// The light of a pixel is within 2^-14 of a noise unit; what is brighter than 131072 of them counts as
+/// 32768 noise units, a quarter of the range.
+const BRIGHTEST: i32 = 1 << 29;
+
+/// The light of a pixel is within 2^-14 of a noise unit; what is brighter than 32768 of them counts as
 /// that. Sums are exact.
 impl Level for Fixed14 {
     const NAME: &'static str = "q24";
@@ -120,6 +130,11 @@ impl Level for Fixed14 {
     #[inline]
     fn of_key(key: u32) -> Self {
         Fixed14::from_bits((key ^ 1 << 31) as i32)
+    }
+
+    #[inline(always)]
+    fn signal(value: f32) -> Self {
+        Fixed14::from_bits(Self::of(value).to_bits().clamp(-BRIGHTEST, BRIGHTEST))
     }
 
     #[inline(always)]
@@ -192,6 +207,7 @@ mod tests {
             assert!((share as f64 / 16384.0 - exact).abs() < 0.1 + exact * 1e-4, "{value} {factor}");
         }
         assert_eq!(Fixed14::whole(65_536 * 2).to_bits(), i32::MAX);
+        assert_eq!([1e9, -1e9, 32_767.5].map(|v| Fixed14::signal(v).to_f32()), [32_768.0, -32_768.0, 32_767.5]);
         assert_eq!(Fixed14::share(i64::MAX, 1e6), i64::MAX);
     }
 }

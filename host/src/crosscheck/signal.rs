@@ -182,17 +182,22 @@ impl Left {
         Regions { labels: exact.labels.iter().map(named).collect(), table }
     }
 
-    /// Pixels with another label, and regions with pixels that have another centre, another part that was divided from
-    /// them, or a plateau in one of both only.
+    /// Pixels with another label, and of the regions with pixels the coordinates of centres, the parts that were divided
+    /// from them and the plateaus that are others: each may hang on a decision of its own.
     fn apart(&self, exact: &Regions) -> usize {
         let mut has_pixels = vec![false; self.regions.len() + 1];
         self.labels.iter().for_each(|&label| has_pixels[label as usize] = true);
-        let differ = |&((exact, core), _): &((&Region, &Seen), &bool)| {
-            let (x, y) = (core.centre.0 - exact.centre.0, core.centre.1 - exact.centre.1);
-            x != 0.0 || y != 0.0 || exact.plateau != core.plateau || exact.divided != core.divided
+        let differing_of = |((exact, core), _): ((&Region, &Seen), &bool)| {
+            let differ = [
+                core.centre.0 != exact.centre.0,
+                core.centre.1 != exact.centre.1,
+                exact.plateau != core.plateau,
+                exact.divided != core.divided,
+            ];
+            differ.into_iter().filter(|&differs| differs).count()
         };
         let pairs = exact.table.iter().zip(&self.regions).zip(&has_pixels[1..]).filter(|(_, has_pixels)| **has_pixels);
-        pairs.filter(differ).count() + differing(&exact.labels, &self.labels)
+        pairs.map(differing_of).sum::<usize>() + differing(&exact.labels, &self.labels)
     }
 }
 
@@ -202,8 +207,8 @@ struct Walk {
     asked: Settings,
     /// The distance of two neighbouring numbers in fixed point; 0 in single precision.
     grain: f64,
-    /// The end of the range.
-    limit: f64,
+    /// The greatest signal-to-noise.
+    brightest: f64,
     pixels: Vec<f64>,
     width: usize,
     facts: Facts,
@@ -230,7 +235,7 @@ impl Walk {
             config: *config,
             asked,
             grain: if fixed { bit(14) } else { 0.0 },
-            limit: if fixed { 131_072.0 } else { f64::INFINITY },
+            brightest: if fixed { 32_768.0 } else { f64::INFINITY },
             signals: reference::has_signal(&defined, width),
             defined,
             facts,
@@ -272,9 +277,7 @@ impl Walk {
 
     /// Notes a plane that may be off by so much at each pixel.
     fn plane(&mut self, step: &'static str, core: &Plane, exact: &Plane, off: &Plane) {
-        let limit = self.limit;
-        let moved = |by: f64| added(exact, off, by).map(|v| v.clamp(-limit, limit));
-        let (low, high) = (moved(-1.0), moved(1.0));
+        let (low, high) = (added(exact, off, -1.0), added(exact, off, 1.0));
         self.notes.plane(step, core, &low, &high);
     }
 
@@ -300,14 +303,13 @@ impl Walk {
     }
 
     fn signal(&mut self, after: &Left) {
-        let raw = reference::signal(&self.pixels, &self.defined, &after.mesh, self.width);
+        let raw = reference::signal(&self.pixels, &self.defined, &after.mesh, self.width, self.brightest);
         // A pixel may have the value of its neighbours.
         let off = greatest(&self.signal_off(&raw, &after.mesh), 1);
         let clean = reference::without_spikes(&raw, &Judge::exact());
-        let limit = self.limit;
         let clean = Plane::from_fn(raw.width(), raw.height(), |i, j| {
             let (core, exact, off) = (after.signal.at(i, j), clean.at(i, j), off.at(i, j));
-            if (core - exact.clamp(-limit, limit)).abs() <= off {
+            if (core - exact).abs() <= off {
                 return exact;
             }
             // Whether it is a spike may hang on a rounding.
@@ -319,7 +321,7 @@ impl Walk {
             );
             let slack = Slack { relative: bit(18), absolute: off };
             let own = |judge: &Judge| reference::without_spikes(&around, judge).at(left, low);
-            reference::nearest(slack, own, |v| usize::from((core - v.clamp(-limit, limit)).abs() > off))
+            reference::nearest(slack, own, |v| usize::from((core - v).abs() > off))
         });
         self.plane("signal", &after.signal, &clean, &off);
     }
@@ -363,12 +365,14 @@ impl Walk {
         added(&Plane::from_fn(fine.width(), fine.height(), |_, _| 3.0 * self.grain), &greatest(fine, 2), bit(21))
     }
 
-    /// A plane smoothed, and how far that may be off: a rounding for each weight along both axes, and the weights
-    /// themselves.
+    /// A plane smoothed, and how far that may be off. In single precision, along either axis: the sums of as many weights
+    /// and of as many products as there are to a side and in the middle, the sum of two values, an exponential, a product
+    /// and a quotient. In fixed point a rounding for each weight, and the weights themselves.
     fn smoothed(&self, plane: &Plane, scale: f64) -> (Plane, Plane) {
         let reach = (3.5 * scale).ceil();
         let weights = if self.grain > 0.0 { 2.0 * (2.0 * reach + 1.0) * bit(25) } else { 0.0 };
-        let off = reference::smoothed(&plane.map(f64::abs), scale).map(|v| bit(20) * v + (reach + 1.0) * self.grain);
+        let share = (reach + 3.0) * bit(22);
+        let off = reference::smoothed(&plane.map(f64::abs), scale).map(|v| share * v + (reach + 1.0) * self.grain);
         (reference::smoothed(plane, scale), added(&off, &greatest(plane, reach as isize), weights))
     }
 

@@ -58,6 +58,29 @@ fn all_schemes_and_arithmetics_pass_within_the_documented_tolerances() {
     assert!(STEPS.iter().all(|step| table.contains(&format!("\n  {step:<12} "))), "{table}");
 }
 
+/// Stars without noise, whose neighbouring pixels are together beyond the range of fixed point.
+#[test]
+fn the_brightest_pixels_pass_step_by_step() {
+    let folder = Folder::new("crosscheck-brightest");
+    let path = folder.file("sky.fits");
+    let mut writer = Writer::create(Path::new(&path)).expect("the file can be made");
+    let star = |x: usize, y: usize, peak: f32, (cx, cy): (f32, f32)| {
+        let square = (x as f32 - cx).powi(2) + (y as f32 - cy).powi(2);
+        peak * (-square / 4.0).exp()
+    };
+    let row = |y: usize, out: &mut [f32]| {
+        for (x, pixel) in out.iter_mut().enumerate() {
+            let noise = ((x * 7919 + y * 104_729) % 97) as f32 / 97.0;
+            *pixel = noise + star(x, y, 90_000.0, (20.3, 17.6)) + star(x, y, 30_000.0, (33.5, 28.0));
+        }
+    };
+    writer.image((WIDTH, HEIGHT), &[], row).expect("the image can be written");
+    writer.finish().expect("the file can be closed");
+    let run = skyfront(["crosscheck", &path]);
+    assert_eq!(run.status.code(), Some(0), "{}{}", text(&run), messages(&run));
+    assert!(text(&run).contains("region q24: ok"), "{}", text(&run));
+}
+
 /// What `crosscheck` compares of a run of the paper, in the order in which it looks at it.
 const STEPS: [&str; 13] = [
     "filtered",

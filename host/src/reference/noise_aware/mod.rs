@@ -148,7 +148,7 @@ pub fn run(
         if !mesh.cells.iter().any(|cell| cell.is_some_and(|sky| sky.noise > 0.0)) {
             break;
         }
-        let signal = without_spikes(&signal(pixels, &defined, &mesh, width), judge);
+        let signal = without_spikes(&signal(pixels, &defined, &mesh, width, f64::INFINITY), judge);
         let fine = smoothed(&signal, 0.8);
         let tail = Tail::of(fine.values(), &masked, &facts);
         let smooth = by_need(&fine, &masked, &facts);

@@ -15,12 +15,12 @@ pub fn has_signal(defined: &[bool], width: usize) -> Vec<bool> {
     (0..defined.len()).map(|at| defined[at] || between(defined, width, at).is_some()).collect()
 }
 
-/// The signal-to-noise before spikes are taken out.
-pub fn signal(pixels: &[f64], defined: &[bool], mesh: &Mesh, width: usize) -> Plane {
+/// The signal-to-noise before spikes are taken out, of which no pixel has more than `brightest`.
+pub fn signal(pixels: &[f64], defined: &[bool], mesh: &Mesh, width: usize, brightest: f64) -> Plane {
     let own = |at: usize| {
         let sky = mesh.at(at % width, at / width);
         let signal = (pixels[at] - sky.level) / sky.noise;
-        if defined[at] && sky.noise > 0.0 && signal.is_finite() { signal } else { 0.0 }
+        if defined[at] && sky.noise > 0.0 && signal.is_finite() { signal.clamp(-brightest, brightest) } else { 0.0 }
     };
     Plane::from_fn(width, pixels.len() / width, |i, j| {
         let at = j as usize * width + i as usize;

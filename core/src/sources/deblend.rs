@@ -650,6 +650,31 @@ mod tests {
         opening.count.regions - 1
     }
 
+    /// By a look at as little as it takes, and at all there is.
+    fn what_another_has_alone_is_compared_as_it_is<L: Level>() {
+        let light = |at: usize| L::of((at * 7919 % 101) as f32 - 20.0);
+        let values: Vec<L> = (0..SIDE * SIDE).map(light).collect();
+        let field = Field { values: &values, grid: Grid::of(values.len(), SIDE).expect("there are columns") };
+        let place = |x: f32, y: f32| (L::of(x), L::of(y));
+        let mut more = 0;
+        for at in 0..SIDE * SIDE {
+            let centres = [place(30.25, 31.5), place((at % 61) as f32 + 0.5, (at % 53) as f32)];
+            let alone = alone(field, centres, field.place(at)).unwrap_or(L::ZERO);
+            for bound in [L::ZERO, L::of(8.0), L::of(25.0), alone] {
+                let is_more = is_more_alone(field, centres, field.place(at), bound);
+                assert_eq!(is_more, alone > bound, "{at}: {alone:?} and {bound:?}");
+                more += usize::from(is_more);
+            }
+        }
+        assert!((1000..3 * SIDE * SIDE).contains(&more), "{more}");
+    }
+
+    #[test]
+    fn what_another_has_alone_is_compared_as_it_is_in_both_arithmetics() {
+        what_another_has_alone_is_compared_as_it_is::<f32>();
+        what_another_has_alone_is_compared_as_it_is::<Fixed14>();
+    }
+
     #[test]
     fn light_with_a_peak_is_a_source_and_an_uneven_edge_is_none() {
         let star = |x: f32, y: f32| 9.0 * libm::expf(-((x - 50.0) * (x - 50.0) + (y - 36.0) * (y - 36.0)) / 8.0);

@@ -1,15 +1,18 @@
 // The default over a camera's buffer: counts in rows a stride apart, a bad pixel, and a few rows of work per poll.
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::plane::camera::Camera;
 use skyfront_core::plane::mask::mask_words;
 use skyfront_core::plane::raster::{BadPixel, Raster};
 use skyfront_core::plane::smooth::ROOM_ROWS;
+use skyfront_core::run::extract::catalogue::Measuring;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::simulate::{Kind, Sky as Simulated};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Sky, mesh_cells};
+use skyfront_core::sources::measure::Sums;
 use skyfront_core::sources::tree::Region;
 
 const W: usize = 96;
@@ -18,6 +21,8 @@ const N: usize = W * H;
 const STRIDE: usize = 128;
 const CELL: usize = Config::NOISE_AWARE.sky.cell();
 const REGIONS: usize = regions(W, H);
+const SOURCES: usize = 32;
+const CAMERA: Camera = Camera { black: 0.0, gain: 2.0, read_noise: 5.0, saturation: 16_383.0, psf_sigma: 1.0 };
 
 /// The memory of a run: on board a static of zeros.
 struct Room {
@@ -29,18 +34,21 @@ struct Room {
     regions: [Region<f32>; REGIONS],
 }
 
-fn find(buffer: &[u16], room: &mut Room) -> Result<Found, Error> {
+fn find(buffer: &[u16], room: &mut Room, catalogue: &mut [Sums]) -> Result<Found, Error> {
     let ([signal, fine, smooth], [parents, order, labels]) = (&mut room.levels, &mut room.words);
     let Room { masked, rows, mesh, regions, .. } = room;
     let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
-    let known = Known { bad: &[BadPixel { x: 40, y: 7 }], ..Known::default() };
+    let known = Known { bad: &[BadPixel { x: 40, y: 7 }], camera: Some(&CAMERA), ..Known::default() };
     let mut run = Extractor::over(&Config::NOISE_AWARE, Raster::new(buffer, W, H, STRIDE)?, known, work)?;
-    loop {
+    let found = loop {
         match run.poll(8)? {
-            Progress::Done(found) => return Ok(found),
+            Progress::Done(found) => break found,
             _ => { /* other tasks, the watchdog */ }
         }
-    }
+    };
+    let mut so_far = Measuring::default();
+    while !run.measure(&mut so_far, 8, catalogue)? { /* the same */ }
+    Ok(found)
 }
 
 fn main() -> Result<(), Error> {
@@ -59,8 +67,13 @@ fn main() -> Result<(), Error> {
         mesh: [Sky::UNKNOWN; mesh_cells(W, H, CELL)],
         regions: [Region::BLANK; REGIONS],
     });
-    let found = find(&buffer, &mut room)?;
+    let mut catalogue = [Sums::EMPTY; SOURCES];
+    let found = find(&buffer, &mut room, &mut catalogue)?;
     println!("{} sources of {} pixels", found.sources, found.mask_pixels);
+    for source in catalogue.iter().take(found.sources as usize) {
+        let (place, flux) = (source.centroid(), source.flux(Some(CAMERA.gain.into())));
+        println!("({:.2}, {:.2}): {:.0} +- {:.0} counts", place.x, place.y, flux.value, flux.error);
+    }
     assert!(found.sources > 0);
     Ok(())
 }

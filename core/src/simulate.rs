@@ -10,12 +10,14 @@
 //! use skyfront_core::simulate::{Conditions, Kind, Optics, Sky};
 //!
 //! let conditions = Conditions { optics: Optics::Coma, full_well: 500.0, ..Conditions::PERFECT };
-//! let mut sky = Sky::new(Kind::Stars, 1, 64, 64).under(conditions);
+//! let mut sky = Sky::new(Kind::Stars, 1, 64, 64).under(conditions)?;
 //! let mut row = [0.0; 64];
 //! let Ok(()) = sky.row(20, &mut row);
 //! assert!(row.iter().all(|&pixel| pixel <= 500.0 * sky.sigma()));
+//! # Ok::<(), skyfront_core::error::Error>(())
 //! ```
 
+use crate::error::Error;
 use crate::run::frame::Frame;
 use core::convert::Infallible;
 
@@ -64,7 +66,28 @@ impl Conditions {
     /// As the sky is.
     pub const PERFECT: Conditions =
         Conditions { optics: Optics::Round, lopsided: false, gradient: 0.0, full_well: f32::INFINITY, step: 0.0 };
+
+    /// Whether a sky can be seen so.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a gradient beyond 1e6 up or down, a full well of 0 or less, and a step below 0 or above
+    /// 1e6; NaN is none of these numbers.
+    pub fn validate(&self) -> Result<(), Error> {
+        let Conditions { gradient, full_well, step, .. } = *self;
+        let bounds = [
+            ("gradient", gradient, gradient >= -MOST, "at least", -MOST),
+            ("gradient", gradient, gradient <= MOST, "at most", MOST),
+            ("full_well", full_well, full_well > 0.0, "above", 0.0),
+            ("step", step, step >= 0.0, "at least", 0.0),
+            ("step", step, step <= MOST, "at most", MOST),
+        ];
+        let refused = bounds.into_iter().find(|(_, _, holds, _, _)| !holds);
+        refused.map_or(Ok(()), |(name, value, _, bound, limit)| Err(Error::Parameter { name, value, bound, limit }))
+    }
 }
+
+/// The most noise units of a gradient or a step.
+const MOST: f32 = 1e6;
 
 /// A part of the image of a point: where it lies, and its share of the light.
 struct Part {
@@ -218,9 +241,12 @@ impl Sky {
     }
 
     /// The same sky as other conditions show it.
-    #[must_use]
-    pub fn under(self, conditions: Conditions) -> Sky {
-        Sky { conditions, ..self }
+    ///
+    /// # Errors
+    /// What [`Conditions::validate`] refuses.
+    pub fn under(self, conditions: Conditions) -> Result<Sky, Error> {
+        conditions.validate()?;
+        Ok(Sky { conditions, ..self })
     }
 
     /// Number of objects.
@@ -409,8 +435,34 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
+    fn seen(sky: Sky, conditions: Conditions) -> Sky {
+        sky.under(conditions).expect("it can be seen so")
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_by_name() {
+        let perfect = Conditions::PERFECT;
+        let refused = [
+            ("gradient", Conditions { gradient: f32::NAN, ..perfect }),
+            ("gradient", Conditions { gradient: 2e6, ..perfect }),
+            ("gradient", Conditions { gradient: -2e6, ..perfect }),
+            ("full_well", Conditions { full_well: f32::NAN, ..perfect }),
+            ("full_well", Conditions { full_well: 0.0, ..perfect }),
+            ("step", Conditions { step: f32::NAN, ..perfect }),
+            ("step", Conditions { step: -0.5, ..perfect }),
+            ("step", Conditions { step: f32::INFINITY, ..perfect }),
+        ];
+        for (wanted, conditions) in refused {
+            let refusal = Sky::new(Kind::Stars, 3, SIDE, SIDE).under(conditions);
+            assert!(matches!(refusal, Err(Error::Parameter { name, .. }) if name == wanted), "{conditions:?}");
+        }
+        for gradient in [-1e6, 1e6] {
+            assert_eq!(Conditions { gradient, step: 1e6, ..perfect }.validate(), Ok(()));
+        }
+    }
+
     fn pixels(kind: Kind, conditions: Conditions) -> Vec<f32> {
-        let mut sky = Sky::new(kind, 3, SIDE, SIDE).under(conditions);
+        let mut sky = seen(Sky::new(kind, 3, SIDE, SIDE), conditions);
         let mut pixels = std::vec![0.0; SIDE * SIDE];
         for (y, row) in pixels.chunks_exact_mut(SIDE).enumerate() {
             let Ok(()) = sky.row(y, row);
@@ -447,7 +499,7 @@ mod tests {
         let index = inner(&round);
         let ([light, right, up], [wide, high]) = moments(&round, index);
         assert!(magnitude(right) < 0.3 && magnitude(up) < 0.3 && (wide / high - 1.0).abs() < 0.2);
-        let shaped = |optics| moments(&round.under(Conditions { optics, ..Conditions::PERFECT }), index);
+        let shaped = |optics| moments(&seen(round, Conditions { optics, ..Conditions::PERFECT }), index);
         for optics in [Optics::Coma, Optics::Trail, Optics::Ring] {
             let ([shaped, ..], _) = shaped(optics);
             assert!((shaped / light - 1.0).abs() < 0.1, "{optics:?}: {shaped}, not {light}");
@@ -457,7 +509,7 @@ mod tests {
         let (_, [trailed, _]) = shaped(Optics::Trail);
         assert!(trailed > wide + 20.0, "{trailed} along, {wide} of a round star");
         let middle = |optics| {
-            let (sky, object) = (round.under(Conditions { optics, ..Conditions::PERFECT }), round.object(index));
+            let (sky, object) = (seen(round, Conditions { optics, ..Conditions::PERFECT }), round.object(index));
             let mut row = [0.0; SIDE];
             sky.add_light(index, object.y as usize, &mut row);
             row[object.x as usize]
@@ -468,7 +520,7 @@ mod tests {
     #[test]
     fn a_lopsided_galaxy_has_its_light_on_one_side() {
         let even = Sky::new(Kind::Bright, 3, SIDE, SIDE);
-        let lopsided = even.under(Conditions { lopsided: true, ..Conditions::PERFECT });
+        let lopsided = seen(even, Conditions { lopsided: true, ..Conditions::PERFECT });
         let galaxy = (0..300).find(|&n| {
             !even.object(n).star && (30.0..60.0).contains(&even.object(n).x) && (30.0..60.0).contains(&even.object(n).y)
         });

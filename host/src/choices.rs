@@ -6,6 +6,7 @@ use crate::{extraction, nothing};
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Q11, Q24};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::front::bands;
 
 /// Named settings.
 ///
@@ -112,6 +113,25 @@ impl ArithmeticOption {
             ArithmeticOption::Q24 => config.validate::<Q24>(),
             ArithmeticOption::Q11 => config.validate::<Q11>(),
         }
+    }
+
+    /// Checks whether so many bands can move the front of a configuration in this arithmetic.
+    ///
+    /// # Errors
+    /// As [`bands::serve`].
+    pub fn serves(self, config: &Config, bands: usize) -> Result<(), Error> {
+        let served = match self {
+            ArithmeticOption::F32 => bands::serve::<F32>(config, bands),
+            ArithmeticOption::Q24 => bands::serve::<Q24>(config, bands),
+            ArithmeticOption::Q11 => bands::serve::<Q11>(config, bands),
+        };
+        served.map_err(|refused| match refused {
+            // In the words of the option.
+            Error::Together { other, wanted, .. } => {
+                Error::Together { choice: "combine", value: "vector", other, wanted }
+            }
+            refused => refused,
+        })
     }
 
     /// Its name.

@@ -1,12 +1,12 @@
 //! One image through the core's segmenter: memory, the poll loop, and what the outputs need.
 
 use crate::parallel::evolve;
-use crate::planes::Room;
+use crate::planes::{BandRoom, Room};
 use crate::segmentation::{Drive, Segmentation, StagePlanes, room_for_sources};
 use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
-use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::frame::BandFrame;
 use skyfront_core::run::outcome::Progress;
 use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::run::stage::Stage;
@@ -28,14 +28,19 @@ pub fn segment_in<A: Arithmetic>(
     if let Some(start) = drive.start {
         start.fill::<A>(config, (width, height), &mut room.front);
     }
-    let mut segmenter = Segmenter::<A>::new(config, width, height, room.memory())?;
+    let all: Vec<&[f32]> = std::iter::once(pixels).chain(drive.bands.iter().copied()).collect();
+    let mut band_room = BandRoom::<A>::new(if drive.bands.is_empty() { 0 } else { all.len() }, count);
+    let mut segmenter = match drive.bands {
+        [] => Segmenter::<A>::new(config, width, height, room.memory())?,
+        _ => Segmenter::of_bands(config, width, height, room.memory(), band_room.bands())?,
+    };
     let mut stages = StagePlanes::default();
     let (mut convergence, mut seconds, mut front_values) = (Vec::new(), Vec::new(), Vec::new());
     let (mut stage, mut started) = (segmenter.stage(), Instant::now());
     let outcome = loop {
         let bands = if drive.threads > 1 { segmenter.evolution() } else { None };
         let progress = match bands {
-            None => segmenter.poll(drive.slice, &mut SliceFrame(pixels))?,
+            None => segmenter.poll(drive.slice, &mut BandFrame(&all))?,
             Some(evolution) => {
                 let rule = evolution.rule;
                 let (steps, change) = evolve(evolution, drive.threads, &mut |pass, change| {

@@ -11,6 +11,7 @@ use skyfront_core::arithmetic::machine::Task;
 use skyfront_core::arithmetic::{Arithmetic, Level};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::front::bands;
 use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::crew::Crew;
 use skyfront_core::plane::mask::{Mask, mask_words};
@@ -74,6 +75,9 @@ pub fn segment<A: Arithmetic, L: Level>(
     width: usize,
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
+    if !drive.bands.is_empty() {
+        bands::serve::<A>(config, drive.bands.len() + 1)?;
+    }
     let few = (pixels.len() / PIXELS_OF_REGION).max(LEAST_REGIONS);
     with_few_regions::<A, L>(config, pixels, width, drive, few)
 }
@@ -108,7 +112,7 @@ fn in_room<A: Arithmetic, L: Level>(
         drive.whole.map(Whole::part).map_or(((width, height), (0, 0)), |part| (part.image, part.origin));
     let mut room = SignalRoom::<L>::new(config, (count, width), image, regions, drive.threads);
     let (background, noise) = (drive.background, drive.noise);
-    let known = Known { background, noise, relative: drive.relative, whole: drive.whole, bad: &[] };
+    let known = Known { background, noise, relative: drive.relative, whole: drive.whole, ..Known::default() };
     let mut run = Extractor::new(config, pixels, width, known, room.workspace())?;
     let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
     let (mut front, mut stages) = (Vec::new(), None);

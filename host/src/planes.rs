@@ -1,7 +1,8 @@
 //! Memory for the planes of a frame, and for a run.
 
-use skyfront_core::arithmetic::{Arithmetic, Bits, Level};
+use skyfront_core::arithmetic::{Arithmetic, Bits, Cell, Level};
 use skyfront_core::config::{Config, Scheme};
+use skyfront_core::front::bands::{Band, Bands};
 use skyfront_core::plane::mask::mask_words;
 use skyfront_core::plane::smooth::ROOM_ROWS;
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
@@ -60,6 +61,25 @@ impl<A: Arithmetic> Room<A> {
     }
 }
 
+/// The memory for further bands of a run ([`skyfront_core::front::bands`]).
+#[derive(Debug)]
+pub struct BandRoom<A: Arithmetic> {
+    planes: Vec<A::Cell>,
+    each: Vec<Band>,
+}
+
+impl<A: Arithmetic> BandRoom<A> {
+    /// Room for so many bands of so many pixels, the first of them included.
+    pub fn new(bands: usize, pixels: usize) -> Self {
+        BandRoom { planes: plane(bands * pixels, A::Cell::BLANK), each: vec![Band::NEW; bands] }
+    }
+
+    /// The slices for a segmenter.
+    pub fn bands(&mut self) -> Bands<'_, A> {
+        Bands { planes: &mut self.planes, each: &mut self.each }
+    }
+}
+
 /// The memory of a run on signal-to-noise.
 #[derive(Debug)]
 pub struct SignalRoom<L: Level> {
@@ -90,7 +110,7 @@ impl<L: Level> SignalRoom<L> {
         SignalRoom {
             levels: [(); 3].map(|()| in_large_pages(zeros(count))),
             labels: in_large_pages(vec![0; count]),
-            lists: [(); 2].map(|()| vec![0; count]),
+            lists: [(); 2].map(|()| list(count)),
             masked: vec![0; mask_words(count)],
             rows: vec![L::BLANK; room_rows(count / columns.max(1), threads) * columns],
             mesh: vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())],
@@ -111,6 +131,14 @@ fn zeros<L: Level>(count: usize) -> Vec<L> {
     let zeros = Box::<[L]>::new_zeroed_slice(count);
     // SAFETY: a level of which all bits are 0 is the number 0, in single precision and in fixed point.
     unsafe { zeros.assume_init() }.into_vec()
+}
+
+/// A list as long as a plane, of which as much is touched as is used: in large pages where a part of one is little beside
+/// that.
+fn list(count: usize) -> Vec<u32> {
+    const MANY: usize = 1 << 23;
+    let list = vec![0; count];
+    if count < MANY { list } else { in_large_pages(list) }
 }
 
 /// A plane that nobody has touched, in large pages where the system has them.

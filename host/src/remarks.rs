@@ -19,8 +19,8 @@ pub fn on(found: &Found, pixels: usize) -> Vec<String> {
     let crowded = || {
         let crowded = survey.cells - survey.measured;
         format!(
-            "{crowded} of the {} cells of the sky are covered with sources: their sky and noise may be too high; \
-             --background and --weight can give them",
+            "{crowded} of the {} cells of the sky are covered with sources: their sky may be too high, and their noise is \
+             that of their darkest pixels; --background and --weight can give them",
             survey.cells
         )
     };

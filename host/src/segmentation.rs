@@ -95,6 +95,9 @@ pub struct Drive<'a> {
     pub relative: bool,
     /// The image that this one is a part of, for the noise-aware segmentation.
     pub whole: Option<&'a dyn Whole>,
+    /// Further bands of the image, of the same size, for one front in all of them
+    /// ([`skyfront_core::front::bands`]).
+    pub bands: &'a [&'a [f32]],
     /// Where the front starts, for [`skyfront_core::config::Start::Given`].
     pub start: Option<&'a StartMap>,
     /// Rows a poll.
@@ -117,6 +120,7 @@ impl Default for Drive<'_> {
             noise: None,
             relative: false,
             whole: None,
+            bands: &[],
             start: None,
             slice: usize::MAX,
             keep_stages: false,

@@ -18,6 +18,7 @@ use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::sky::otsu::Histogram;
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::track::Pixel;
+use skyfront_machine::Processor;
 
 /// The parameter table of the setup.
 pub const SKYFRONT_PRESET_TABLE: u32 = 0;
@@ -36,7 +37,7 @@ const _: () = assert!(size_of::<skyfront_run>() <= SEGMENTER_BYTES + size_of::<O
 
 /// A run, in the caller's memory.
 pub struct skyfront_run {
-    segmenter: Segmenter<'static, F32>,
+    segmenter: Segmenter<'static, F32<Processor>>,
     size: (usize, usize),
     outcome: Option<Outcome>,
 }
@@ -217,7 +218,7 @@ unsafe fn start(mut block: Block, setup: &skyfront_setup, message: &mut Message<
 }
 
 /// The slices of a run; none where the block is too small.
-fn memory(block: &mut Block, setup: &skyfront_setup) -> Option<Memory<'static, F32>> {
+fn memory(block: &mut Block, setup: &skyfront_setup) -> Option<Memory<'static, F32<Processor>>> {
     let (width, height) = (setup.width, setup.height);
     if slices(width, height, setup.sources) == 0 {
         return None;

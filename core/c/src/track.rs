@@ -5,6 +5,7 @@ use crate::pointer::{pixels_of, slice, slice_mut};
 use core::mem::offset_of;
 use skyfront_core::arithmetic::F32;
 use skyfront_core::track::{self, BadPixel, Camera, Pixel, Raster, Star, Window};
+use skyfront_machine::Processor;
 
 /// The window reaches beyond the frame, so that it is cut off.
 pub const SKYFRONT_STAR_EDGE: u32 = 1;
@@ -134,7 +135,7 @@ impl<P: Pixel> Call<P> {
             return SKYFRONT_ERROR_POINTER;
         };
         let tracked = Raster::new(pixels, width, height, stride)
-            .and_then(|frame| track::track::<F32, P>(&frame, windows, camera, bad, stars));
+            .and_then(|frame| track::track::<F32<Processor>, P>(&frame, windows, camera, bad, stars));
         tracked.map_or_else(|error| number(&error), |()| SKYFRONT_OK)
     }
 }

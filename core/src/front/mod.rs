@@ -1,5 +1,6 @@
 //! The front: where it starts, what speed it has, the schemes that move it, and when it stops.
 
+pub mod bands;
 pub mod edge;
 pub mod march;
 pub mod outline;

@@ -22,6 +22,13 @@ pub fn mark_row<A: Arithmetic>(image: &[A::Cell], level: f32, margin: f32, dista
     }
 }
 
+/// Distance 0, too, where another band is above its own level.
+pub fn mark_also<A: Arithmetic>(image: &[A::Cell], level: f32, distance: &mut [A::Cell]) {
+    let level = A::Real::of(level);
+    let above = distance.iter_mut().zip(image).filter(|(_, cell)| A::pixel(**cell) > level);
+    above.for_each(|(distance, _)| *distance = A::to_level(A::Real::ZERO));
+}
+
 /// Lets distances spread into a row from the row before it (empty for the first) and along it,
 /// in both directions.
 pub fn spread_row<A: Arithmetic>(before: &[A::Cell], row: &mut [A::Cell]) {

@@ -50,6 +50,9 @@ impl<L: Level> Ellipse<L> {
     }
 }
 
+/// Column and row of the first of four pixels, and how far a place is from it towards the others.
+type Corner<L> = ((usize, L), (usize, L));
+
 /// A plane that is read at any place.
 #[derive(Clone, Copy, Debug)]
 pub struct Field<'a, L> {
@@ -104,29 +107,30 @@ impl<L: Level> Field<'_, L> {
         median
     }
 
-    /// The median of the values on an ellipse around a centre at the seven places other than the given one, as far as
-    /// they are in the frame and the pixel nearest to them `counts`; `None` where none is.
-    pub fn on_ellipse(
+    /// Whether the median of the values as far from a centre as a place is such that `is_low`, as in
+    /// [`Field::around`]; what is below a value that `is_low` is so too.
+    pub fn is_low_around(&self, centre: (L, L), place: (L, L), is_low: impl Fn(L) -> bool) -> bool {
+        let value = |place: (L, L)| Some(self.between(place).unwrap_or(L::ZERO));
+        let off = (place.0 - centre.0, place.1 - centre.1);
+        median_is_low((centre, Ellipse::ROUND.turned(off)), value, is_low).unwrap_or(false)
+    }
+
+    /// Whether the median of the values on an ellipse around a centre `is_low`, at the seven places other than the given
+    /// one, as far as they are in the frame and the pixel nearest to them `counts`; `None` where none is. What is below
+    /// a value that `is_low` is so too.
+    pub fn is_low_on_ellipse(
         &self,
         (centre, shape): ((L, L), Ellipse<L>),
         place: (L, L),
         counts: impl Fn(usize) -> bool,
-    ) -> Option<L> {
-        let turned = shape.turned((place.0 - centre.0, place.1 - centre.1));
-        let (mut values, mut count) = ([L::ZERO; 7], 0);
-        for (x, y) in turned {
-            let place = (centre.0 + x, centre.1 + y);
-            if let (Some(value), Some(at), Some(free)) =
-                (self.between(place), self.nearest(place), values.get_mut(count))
-                && counts(at)
-            {
-                *free = value;
-                count += 1;
-            }
-        }
-        let values = values.get_mut(..count).unwrap_or(&mut []);
-        sort::few(values, |a, b| a.key() < b.key());
-        values.get(count / 2).copied()
+        is_low: impl Fn(L) -> bool,
+    ) -> Option<bool> {
+        let value = |place: (L, L)| {
+            let cell = self.cell(place)?;
+            counts(self.nearest_in(cell)).then(|| self.within(cell))
+        };
+        let off = (place.0 - centre.0, place.1 - centre.1);
+        median_is_low((centre, shape.turned(off)), value, is_low)
     }
 
     /// The place, (x, y), of a pixel.
@@ -142,33 +146,64 @@ impl<L: Level> Field<'_, L> {
 
     /// The value at a place between pixels, bilinear, not below 0; `None` beyond the frame.
     pub fn between(&self, place: (L, L)) -> Option<L> {
+        self.cell(place).map(|cell| self.within(cell))
+    }
+
+    /// The index of the pixel nearest to a place; `None` beyond the frame.
+    pub fn nearest(&self, place: (L, L)) -> Option<usize> {
+        self.cell(place).map(|cell| self.nearest_in(cell))
+    }
+
+    fn within(&self, ((left, part_x), (below, part_y)): Corner<L>) -> L {
         let width = self.grid.width.get();
-        let ((left, part_x), (below, part_y)) = self.cell(place)?;
         let first = below * width + left;
         let row = |first: usize| {
             let pair = self.values.get(first..).and_then(<[L]>::first_chunk);
             let &[left, right] = pair.unwrap_or(&[L::ZERO; 2]);
             left * (L::ONE - part_x) + right * part_x
         };
-        Some((row(first) * (L::ONE - part_y) + row(first + width) * part_y).positive())
+        (row(first) * (L::ONE - part_y) + row(first + width) * part_y).positive()
     }
 
-    /// The index of the pixel nearest to a place; `None` beyond the frame.
-    pub fn nearest(&self, place: (L, L)) -> Option<usize> {
-        let ((left, part_x), (below, part_y)) = self.cell(place)?;
+    #[inline]
+    fn nearest_in(&self, ((left, part_x), (below, part_y)): Corner<L>) -> usize {
         let half = L::of(0.5);
-        Some((below + usize::from(part_y > half)) * self.grid.width.get() + left + usize::from(part_x > half))
+        (below + usize::from(part_y > half)) * self.grid.width.get() + left + usize::from(part_x > half)
     }
 
     /// The first of the four pixels around a place, by column and row, and how far the place is
     /// from it towards the others.
-    fn cell(&self, (x, y): (L, L)) -> Option<((usize, L), (usize, L))> {
+    fn cell(&self, (x, y): (L, L)) -> Option<Corner<L>> {
         let (last_x, last_y) = (self.grid.width.get().checked_sub(2)?, self.grid.height.checked_sub(2)?);
         if x < L::ZERO || y < L::ZERO || x > L::whole(last_x + 1) || y > L::whole(last_y + 1) {
             return None;
         }
         Some((x.split(last_x), y.split(last_y)))
     }
+}
+
+/// Whether the median, of an even number the upper one, of the values at seven places around a centre `is_low`, as far
+/// as there is a value; `None` where there is none. Asks for no more values than it takes to know.
+fn median_is_low<L: Level>(
+    (centre, places): ((L, L), [(L, L); 7]),
+    value: impl Fn((L, L)) -> Option<L>,
+    is_low: impl Fn(L) -> bool,
+) -> Option<bool> {
+    let (mut low, mut high) = (0, 0);
+    for (left, (x, y)) in (0..places.len()).rev().zip(places) {
+        match value((centre.0 + x, centre.1 + y)).map(&is_low) {
+            Some(true) => low += 1,
+            Some(false) => high += 1,
+            None => {}
+        }
+        if low > high + left {
+            return Some(true);
+        }
+        if high > 0 && low + left <= high {
+            return Some(false);
+        }
+    }
+    None
 }
 
 /// The place on the other side of a centre.
@@ -204,6 +239,43 @@ mod tests {
         }
     }
 
+    /// The median of which only can be asked whether it is low: from 0 to 128, to a thousandth.
+    fn median<L: Level>(asked: impl Fn(&dyn Fn(L) -> bool) -> Option<bool>) -> Option<f32> {
+        let (mut from, mut to) = (0.0, 128.0);
+        while to - from > 0.001 {
+            let middle = 0.5 * (from + to);
+            let half = if asked(&|value| value.to_f32() < middle)? { &mut to } else { &mut from };
+            *half = middle;
+        }
+        Some(from)
+    }
+
+    /// Of as many of seven values as there are, in every order that matters, the upper one in the middle.
+    #[test]
+    fn a_median_is_low_where_more_than_half_of_the_values_are() {
+        for kinds in 0..3usize.pow(7) {
+            let kind = |at: usize| kinds / 3usize.pow(at as u32) % 3;
+            let places = core::array::from_fn(|at| (at as f32, 0.0));
+            let value = |(x, _): (f32, f32)| [None, Some(1.0), Some(2.0)][kind(x as usize)];
+            let found = median_is_low(((0.0, 0.0), places), value, |value: f32| value < 1.5);
+            let mut values: std::vec::Vec<usize> = (0..7).map(kind).filter(|&kind| kind > 0).collect();
+            values.sort_unstable();
+            assert_eq!(found, values.get(values.len() / 2).map(|&median| median == 1), "{kinds}");
+        }
+    }
+
+    #[test]
+    fn what_is_around_is_low_where_its_median_is() {
+        let values: [f32; 49] = core::array::from_fn(|at| (at * 37 % 50) as f32);
+        let field = Field { values: &values, grid: Grid::of(49, 7).expect("there are columns") };
+        for place in [(6.0, 3.0), (4.5, 2.0), (1.0, 0.5), (9.0, 9.0)] {
+            let around = field.around((3.0, 3.0), place);
+            for (bound, is_low) in [(around, false), (around + 0.01, true), (0.5 * around - 0.01, false)] {
+                assert_eq!(field.is_low_around((3.0, 3.0), place, |value| value < bound), is_low, "{place:?}");
+            }
+        }
+    }
+
     /// A plane of 33 x 33 of which the isophotes are ellipses around (16, 16) with axes of 1 and 2, the longer towards
     /// (4, 3); with their shape.
     fn ellipses<L: Level>() -> (std::vec::Vec<L>, Ellipse<L>) {
@@ -222,7 +294,7 @@ mod tests {
         let centre = (L::whole(16), L::whole(16));
         for at in [16 * 33 + 20, 19 * 33 + 20, 12 * 33 + 18, 22 * 33 + 15] {
             let light = |shape, counts: &dyn Fn(usize) -> bool| {
-                field.on_ellipse((centre, shape), field.place(at), counts).map(L::to_f32)
+                median(|is_low| field.is_low_on_ellipse((centre, shape), field.place(at), counts, is_low))
             };
             let (own, found) = (field.at(at).to_f32(), light(shape, &|_| true).expect("it lies in the frame"));
             assert!((own - found).abs() < 0.15, "{found}, not {own}");
@@ -233,7 +305,8 @@ mod tests {
             assert!(right.is_some_and(|found| (own - found).abs() < 0.3), "{right:?}, not {own}");
         }
         // From (34, 34), beyond the frame: the light at 25.2 along the longer axis and 3.6 across it.
-        let beside = field.on_ellipse((centre, shape), (L::whole(34), L::whole(34)), |_| true).map(L::to_f32);
+        let far = (L::whole(34), L::whole(34));
+        let beside = median(|is_low| field.is_low_on_ellipse((centre, shape), far, |_| true, is_low));
         assert!(beside.is_some_and(|light| (light - 13.8).abs() < 0.2), "{beside:?}: only what is in the frame counts");
     }
 

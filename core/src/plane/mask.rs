@@ -26,6 +26,22 @@ impl Mask<'_> {
         let both = word(first / WORD) | word(first / WORD + 1) << WORD;
         (both >> (first % WORD)) as u32
     }
+
+    /// Of the pixels of a word, those that are marked or beside a marked one along the plane.
+    #[inline]
+    pub(crate) fn beside(&self, at: usize) -> u32 {
+        let word = |at: usize| self.0.get(at).copied().unwrap_or(0);
+        let (own, ends) = (word(at), WORD - 1);
+        own | own << 1 | own >> 1 | word(at.wrapping_sub(1)) >> ends | word(at + 1) << ends
+    }
+}
+
+/// Of the bits of a word that are open, some of them and those that follow them without a gap: upwards, or backwards.
+#[inline]
+pub(crate) fn flooded(open: u32, some: u32, backwards: bool) -> u32 {
+    // The sum carries from the lowest of a run to its end.
+    let upwards = |open: u32, some: u32| open & !open.wrapping_add(some) | some;
+    if backwards { upwards(open.reverse_bits(), some.reverse_bits()).reverse_bits() } else { upwards(open, some) }
 }
 
 /// A mask that is written.
@@ -45,6 +61,39 @@ impl MaskMut<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_open_is_flooded_bit_by_bit() {
+        let mut state = 1u32;
+        for _ in 0..10_000 {
+            let mut draw = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                state ^ state >> 16
+            };
+            let open = draw() | draw();
+            let some = draw() & draw() & draw() & open;
+            let one = |flood: u32, bit: u32| {
+                let before = flood >> bit.wrapping_sub(1).min(WORD as u32 - 1) & 1;
+                flood | (before << bit & if bit == 0 { 0 } else { open })
+            };
+            let expected = (0..32).fold(some, one);
+            assert_eq!(flooded(open, some, false), expected, "{open:x} {some:x}");
+            let back = flooded(open.reverse_bits(), some.reverse_bits(), true);
+            assert_eq!(back.reverse_bits(), expected, "{open:x} {some:x}");
+        }
+    }
+
+    #[test]
+    fn beside_a_mark_are_those_along_the_plane() {
+        for marked in 0..96 {
+            let mut words = [0; 3];
+            MaskMut(&mut words).set(marked);
+            for at in 0..96 {
+                let is_beside = Mask(&words).beside(at / WORD) >> (at % WORD) & 1 == 1;
+                assert_eq!(is_beside, at.abs_diff(marked) <= 1, "{at} {marked}");
+            }
+        }
+    }
 
     #[test]
     fn a_pixel_is_marked_and_no_other() {

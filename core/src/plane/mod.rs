@@ -5,6 +5,7 @@
 //! have whole coordinates from (0, 0).
 
 pub(crate) mod beside;
+pub mod camera;
 pub mod crew;
 pub mod field;
 pub mod grid;

@@ -59,8 +59,8 @@ pub enum Question {
 }
 
 /// Words of a cell in the answer to [`Question::Cells`]: its index, by which they are sorted, its pixels, those that
-/// are defined and that are sky, and the bits of level and noise.
-pub const CELL_WORDS: usize = 6;
+/// are defined and that are sky, and the bits of level and noise, and of the noise if most cells are crowded.
+pub const CELL_WORDS: usize = 7;
 
 /// The whole of an image, asked by one of its parts.
 pub trait Whole: Debug + Sync {

@@ -52,7 +52,8 @@ fn by_bytes(items: &mut [u32], spare: &mut [u32], range: u32, key: impl Fn(u32) 
     }
 }
 
-/// Sorts by the wide digits of keys up to `range`, which are counted together.
+/// Sorts by the wide digits of keys up to `range`. Where two do not reach, the two highest leave nearly every item at its
+/// place, unless many keys lie together and one is far from them.
 fn by_wide_digits(
     items: &mut [u32],
     spare: &mut [u32],
@@ -60,25 +61,61 @@ fn by_wide_digits(
     range: u32,
     key: impl Fn(u32) -> u32,
 ) {
-    let shifts = [0, WIDE, 2 * WIDE].into_iter().take_while(|shift| range >> shift > 0);
-    for (shift, places) in [0, WIDE, 2 * WIDE].into_iter().zip(places.iter_mut()) {
+    let rest = (u32::BITS - range.leading_zeros()).saturating_sub(2 * WIDE);
+    if range >> WIDE == 0 {
+        by_digits::<1>(items, spare, places, (range, 0), &key);
+    } else {
+        by_digits::<2>(items, spare, places, (range, rest), &key);
+    }
+    if rest > 0 && !settle_near(items, &key) {
+        by_digits::<DIGITS>(items, spare, places, (range, 0), &key);
+    }
+}
+
+/// Sorts by so many wide digits of keys up to `range`, which are counted together; the lowest begins at bit `first`.
+fn by_digits<const COUNT: usize>(
+    items: &mut [u32],
+    spare: &mut [u32],
+    places: &mut [[u32; WIDES]; DIGITS],
+    (range, first): (u32, u32),
+    key: &impl Fn(u32) -> u32,
+) {
+    let shifts = (first..).step_by(WIDE as usize).take(COUNT);
+    for (shift, places) in shifts.clone().zip(places.iter_mut()) {
         values_of(places, range, shift).fill(0);
     }
-    match shifts.clone().count() {
-        0 | 1 => count_each::<1>(items, places, &key),
-        2 => count_each::<2>(items, places, &key),
-        _ => count_each::<3>(items, places, &key),
-    }
-    let (mut from, mut to, mut is_elsewhere) = (items, spare, false);
+    count_each::<COUNT>(items, places, first, key);
+    let (mut from, mut to) = (items, spare);
     for (shift, places) in shifts.zip(places) {
         begin_at(values_of(places, range, shift));
         lay(from, to, places, |item| wide_digit(key(item), shift));
         core::mem::swap(&mut from, &mut to);
-        is_elsewhere = !is_elsewhere;
     }
-    if is_elsewhere {
+    if COUNT % 2 == 1 {
         to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = *from);
     }
+}
+
+/// Moves each item that precedes one before it to its place, if that is near; whether all are sorted then. Items of one
+/// key keep their order.
+fn settle_near(items: &mut [u32], key: impl Fn(u32) -> u32) -> bool {
+    const NEAR: usize = 8;
+    let mut greatest = 0;
+    for end in 0..items.len() {
+        let own = items.get(end).map_or(u32::MAX, |&item| key(item));
+        if own >= greatest {
+            greatest = own;
+            continue;
+        }
+        let first = end.saturating_sub(NEAR);
+        settle(items.get_mut(first..=end).unwrap_or(&mut []), |a, b| key(a) < key(b));
+        if let Some(&[before, settled]) = items.get(first.wrapping_sub(1)..).and_then(<[u32]>::first_chunk)
+            && key(settled) < key(before)
+        {
+            return false;
+        }
+    }
+    true
 }
 
 #[inline(always)]
@@ -92,16 +129,29 @@ fn values_of(places: &mut [u32; WIDES], range: u32, shift: u32) -> &mut [u32] {
     places.get_mut(..=last.min(WIDES - 1)).unwrap_or(&mut [])
 }
 
-/// Counts the items that have each value of the first digits.
+/// Counts the items that have each value of so many digits from bit `first` on.
 // A function of its own: what it is lent cannot be the same memory.
 #[inline(never)]
-fn count_each<const COUNT: usize>(items: &[u32], places: &mut [[u32; WIDES]; DIGITS], key: impl Fn(u32) -> u32) {
+fn count_each<const COUNT: usize>(
+    items: &[u32],
+    places: &mut [[u32; WIDES]; DIGITS],
+    first: u32,
+    key: impl Fn(u32) -> u32,
+) {
+    let [low, middle, high] = places;
+    let count = |places: &mut [u32; WIDES], digit: usize| {
+        if let Some(count) = places.get_mut(digit) {
+            *count = count.wrapping_add(1);
+        }
+    };
     for &item in items {
-        let key = key(item);
-        for (shift, places) in [0, WIDE, 2 * WIDE].into_iter().zip(places.iter_mut()).take(COUNT) {
-            if let Some(count) = places.get_mut(wide_digit(key, shift)) {
-                *count = count.wrapping_add(1);
-            }
+        let key = key(item) >> first;
+        count(low, wide_digit(key, 0));
+        if COUNT > 1 {
+            count(middle, wide_digit(key, WIDE));
+        }
+        if COUNT > 2 {
+            count(high, wide_digit(key, 2 * WIDE));
         }
     }
 }
@@ -331,6 +381,45 @@ mod tests {
                 while sort(100).is_none() {}
                 assert_eq!(items, expected, "{shared:x}, {count} items in parts");
             }
+        }
+    }
+
+    /// Keys around 0 of which two digits tell nearly all, and the same with one that is far away, beside which the others
+    /// are one.
+    #[test]
+    fn keys_that_lie_together_are_sorted_however_far_one_is() {
+        const COUNT: usize = 2 * MANY;
+        let mut state = 1u32;
+        let mut draw = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            ((state >> 8) as f32 / (1 << 23) as f32 - 1.0) as f64
+        };
+        let around_zero: [f32; COUNT] = core::array::from_fn(|_| (draw() * draw()) as f32);
+        let mut far: [f32; COUNT] = core::array::from_fn(|at| 1e4 + (at * 7919 % COUNT) as f32 / 64.0);
+        far[700] = 0.0;
+        for (values, is_near) in [(around_zero, true), (far, false)] {
+            let key = |at: u32| values[at as usize].key();
+            let mut items = core::array::from_fn::<u32, COUNT, _>(|at| at as u32 % (COUNT as u32 - 9));
+            let (mut expected, mut by_two) = (items, items);
+            expected.sort_by_key(|&at| key(at));
+            by_key(&mut items, &mut [0; COUNT + WIDE_ROOM], key);
+            assert!(items == expected, "{is_near}");
+            by_two.sort_by_key(|&at| key(at) >> 10);
+            assert!(by_two != expected);
+            assert_eq!(settle_near(&mut by_two, key), is_near);
+            assert!(by_two == expected || !is_near);
+        }
+    }
+
+    #[test]
+    fn what_is_not_near_its_place_is_told() {
+        for (from, is_near) in [(8, true), (9, false)] {
+            let mut items = core::array::from_fn::<u32, 20, _>(|at| 1 + at as u32);
+            items[from] = 0;
+            let mut settled = items;
+            assert_eq!(settle_near(&mut settled, |item| item), is_near, "from {from}");
+            items.sort_unstable();
+            assert!(settled == items || !is_near);
         }
     }
 

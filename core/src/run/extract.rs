@@ -12,6 +12,7 @@
 //! single precision has no more to do than what there is once a frame or region: the cut, the
 //! photon noise, the centres of wide regions.
 
+pub mod catalogue;
 pub mod snapshot;
 mod state;
 
@@ -119,7 +120,8 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     /// # Errors
     /// What [`Config::validate_values`] finds, [`Error::Together`] for a configuration without a sky,
     /// [`Error::Size`], [`Error::Length`] for memory or maps of another size, [`Error::Arithmetic`]
-    /// for a side longer than [`Level::LONGEST`], or [`Error::Parameter`] for bad pixels that are not in order.
+    /// for a side longer than [`Level::LONGEST`], or [`Error::Parameter`] for a camera out of bounds or bad pixels that
+    /// are not in order.
     pub fn over(
         config: &Config,
         frame: Raster<'a, P>,
@@ -140,7 +142,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             return Err(moved_elsewhere(config));
         }
         let grid = work.check(count, width, config.sky.cell(), known)?;
-        known.check_bad()?;
+        known.check()?;
         let bound = budget::cells(config, (grid.width.get(), grid.height), work.regions.len());
         Ok(Extractor {
             config: *config,

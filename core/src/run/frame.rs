@@ -18,6 +18,23 @@ pub trait Frame {
     fn row(&mut self, y: usize, out: &mut [f32]) -> Result<(), Self::Error>;
 }
 
+/// Bands that lie in memory, row-major and of one size: their rows one band after another, as
+/// [`Segmenter::of_bands`](crate::run::segmenter::Segmenter::of_bands) asks for them. Rows beyond
+/// the slices are undefined.
+#[derive(Clone, Copy, Debug)]
+pub struct BandFrame<'a>(pub &'a [&'a [f32]]);
+
+impl Frame for BandFrame<'_> {
+    type Error = Infallible;
+
+    fn row(&mut self, y: usize, out: &mut [f32]) -> Result<(), Infallible> {
+        let height = self.0.first().and_then(|band| band.len().checked_div(out.len())).unwrap_or(0);
+        let place = y.checked_div(height).zip(y.checked_rem(height));
+        let (band, y) = place.and_then(|(band, y)| Some((*self.0.get(band)?, y))).unwrap_or((&[], 0));
+        SliceFrame(band).row(y, out)
+    }
+}
+
 /// A frame that lies in memory, row-major. Rows beyond the slice are undefined.
 #[derive(Clone, Copy, Debug)]
 pub struct SliceFrame<'a>(pub &'a [f32]);

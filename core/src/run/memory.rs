@@ -2,6 +2,7 @@
 
 use crate::arithmetic::{Arithmetic, Cell};
 use crate::error::Error;
+use crate::front::bands::Band;
 use crate::plane::sweep::ring_len;
 pub use crate::plane::tiles::flags_len;
 use crate::sky::otsu::Histogram;
@@ -44,6 +45,12 @@ pub const fn bytes(width: usize, height: usize, cell_bytes: usize, sl_curvature:
         + size_of::<f32>() * width
         + size_of::<Histogram>()
         + size_of::<Source>() * sources
+}
+
+/// All bytes of [`Bands`](crate::front::bands::Bands), for cells of `cell_bytes`: what a run over so many bands needs
+/// beside [`bytes`].
+pub const fn band_bytes(width: usize, height: usize, cell_bytes: usize, bands: usize) -> usize {
+    bands * (cell_bytes * width * height + size_of::<Band>())
 }
 
 /// More than a [`crate::run::segmenter::Segmenter`] itself takes, whatever its arithmetic and scheme.

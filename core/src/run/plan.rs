@@ -107,12 +107,27 @@ const CONNECTING: [Stage; 2] = [Stage::Components, Stage::Select];
 
 /// The steps of the run of a configuration.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan<'a>(&'a Config);
+pub struct Plan<'a> {
+    config: &'a Config,
+    /// How often the steps up to the filtered image are taken.
+    bands: u32,
+}
 
 impl<'a> Plan<'a> {
-    /// The plan of a configuration, for frames of every size.
+    /// The plan of a configuration, for frames of every size and one band.
     pub fn of(config: &'a Config) -> Plan<'a> {
-        Plan(config)
+        Plan { config, bands: 1 }
+    }
+
+    /// The same for frames of several bands ([`crate::front::bands`]), one at least.
+    #[must_use]
+    pub fn of_bands(config: &'a Config, bands: usize) -> Plan<'a> {
+        Plan { config, bands: u32::try_from(bands).unwrap_or(u32::MAX).max(1) }
+    }
+
+    /// The configuration.
+    pub(crate) fn config(self) -> &'a Config {
+        self.config
     }
 
     /// The steps in their order, without those that take no pass.
@@ -121,19 +136,20 @@ impl<'a> Plan<'a> {
     }
 
     fn stages(self) -> impl Iterator<Item = Stage> {
-        let (sky, sources): (&'static [Stage], &'static [Stage]) = match (self.0.sky.is_known(), self.0.separate) {
-            (false, _) => (&[], &LABELLING),
-            (true, Separate::Tree) => (&SKY, &DIVIDING),
-            (true, Separate::Components) => (&SKY, &CONNECTING),
-        };
+        let (sky, sources): (&'static [Stage], &'static [Stage]) =
+            match (self.config.sky.is_known(), self.config.separate) {
+                (false, _) => (&[], &LABELLING),
+                (true, Separate::Tree) => (&SKY, &DIVIDING),
+                (true, Separate::Components) => (&SKY, &CONNECTING),
+            };
         sky.iter().chain(self.front_stages()).chain(sources).copied()
     }
 
     /// From the image to the front at its end.
     fn front_stages(self) -> impl Iterator<Item = &'static Stage> {
-        let by_region = self.0.scheme == Scheme::Region;
+        let by_region = self.config.scheme == Scheme::Region;
         let (normalising, middle, front): (&'static [Stage], &'static [Stage], &'static [Stage]) =
-            match (by_region, self.0.order) {
+            match (by_region, self.config.order) {
                 (true, _) => (&[], &[], &[Stage::Outline]),
                 (false, Order::RescaleFirst) => (&NORMALISING, &RESCALING_FIRST, &FRONT),
                 (false, Order::FilterFirst) => (&NORMALISING, &FILTERING_FIRST, &FRONT),
@@ -165,7 +181,7 @@ impl<'a> Plan<'a> {
     }
 
     fn most_passes(self, stage: Stage) -> u32 {
-        let config = self.0;
+        let config = self.config;
         let marches = config.scheme == Scheme::FastMarching;
         let by_values = config.scheme.has_two_fronts();
         let starts_near = matches!(config.start, Start::Threshold { .. }) && !by_values;
@@ -190,7 +206,8 @@ impl<'a> Plan<'a> {
             // Four phases start from the classes of a histogram.
             Stage::StartLevel if by_values => 1,
             // The tau of r3 serves both.
-            Stage::StartLevel => u32::from(starts_near && !matches!(config.rescale, Rescale::R3 { .. })),
+            Stage::StartLevel if starts_near && !matches!(config.rescale, Rescale::R3 { .. }) => self.bands,
+            Stage::StartLevel => 0,
             Stage::StartMark | Stage::StartUp | Stage::StartDown => u32::from(starts_near),
             // Regions are told apart by the image itself.
             Stage::Edge => u32::from(!config.scheme.is_by_regions()),
@@ -208,9 +225,10 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The most row operations that a stage can take in a frame of `height` rows.
+    /// The most row operations that a stage can take in a frame of `height` rows, in all bands.
     pub fn rows(self, height: usize, stage: Stage) -> u64 {
-        u64::from(self.passes(stage)).saturating_mul(height as u64)
+        let times = if stage.is_of_band() { self.bands } else { 1 };
+        u64::from(self.passes(stage)).saturating_mul(height as u64).saturating_mul(times.into())
     }
 
     /// The most row operations of a segmenter's run.

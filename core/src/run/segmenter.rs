@@ -6,6 +6,7 @@ mod rows;
 use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::config::{Config, Scheme};
 use crate::error::Error;
+use crate::front::bands::{Band, Bands};
 use crate::front::edge::EdgeDetector;
 use crate::front::profile::{LEAST_SIDE, MOST_COLUMNS, Profile};
 use crate::front::region::Regions;
@@ -37,6 +38,7 @@ pub struct Segmenter<'m, A: Arithmetic, S: Evolve<A> = AnyScheme<A>> {
     rule: StopRule<A>,
     settle: Settle<A>,
     memory: Memory<'m, A>,
+    bands: Bands<'m, A>,
     state: State<A>,
     /// What ended the run before its end.
     ended: Option<Error>,
@@ -71,6 +73,40 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
     /// # Errors
     /// [`Error::Front`], [`Error::Parameter`], [`Error::Arithmetic`], [`Error::Size`] or [`Error::Length`].
     pub fn new(config: &Config, width: usize, height: usize, memory: Memory<'m, A>) -> Result<Self, Error> {
+        Self::with(config, width, height, memory, Bands::none())
+    }
+
+    /// Sets up a run over several bands of one frame ([`crate::front::bands`]): the rows of the second follow those of
+    /// the first, as the planes of a cube in FITS do, and so on: row `y` of band `i` is row `i height + y` of the
+    /// frame. Sources, the outcome and what pixels are defined are told of the first. Cost beside that of one band: the
+    /// steps up to the filtered image for each, and in each step of the front two looks at each pixel of each.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`]; [`Error::Length`] or [`Error::Parameter`] for too few or too many bands, and
+    /// [`Error::Together`] or [`Error::Arithmetic`] where the front goes by one alone.
+    pub fn of_bands(
+        config: &Config,
+        width: usize,
+        height: usize,
+        memory: Memory<'m, A>,
+        bands: Bands<'m, A>,
+    ) -> Result<Self, Error> {
+        bands.check(config, width.saturating_mul(height))?;
+        if !S::FOLLOWS {
+            let reason = "the program was built for a scheme that goes by one band alone";
+            return Err(Error::Arithmetic { name: A::NAME, reason });
+        }
+        bands.each.fill(Band::NEW);
+        Self::with(config, width, height, memory, bands)
+    }
+
+    fn with(
+        config: &Config,
+        width: usize,
+        height: usize,
+        memory: Memory<'m, A>,
+        bands: Bands<'m, A>,
+    ) -> Result<Self, Error> {
         if config.scheme == Scheme::Region {
             return Err(Error::Front { scheme: config.scheme.name(), mover: "an extractor" });
         }
@@ -92,7 +128,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let memory = Memory { tiles: memory.tiles.get_mut(..flags).unwrap_or(&mut []), ..memory };
         let rule = StopRule::new(config, profile.unit);
         let state = State::new(config, &rule);
-        let bound = Plan::of(config).total_rows(height);
+        let bound = Plan::of_bands(config, bands.each.len()).total_rows(height);
         let settle = Settle::new(config.band);
         Ok(Segmenter {
             config: chosen,
@@ -104,6 +140,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             rule,
             settle,
             memory,
+            bands,
             state,
             ended: None,
         })
@@ -194,8 +231,19 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
             window: self.scheme.window(),
             bound: self.bound,
             memory: &mut self.memory,
+            bands: &mut self.bands,
             state: &mut self.state,
         }
+    }
+
+    /// Whether several bands move the front.
+    #[inline(always)]
+    fn has_bands(&self) -> bool {
+        S::FOLLOWS && !self.bands.each.is_empty()
+    }
+
+    fn plan(&self) -> Plan<'_> {
+        Plan::of_bands(&self.config, if S::FOLLOWS { self.bands.each.len() } else { 1 })
     }
 
     fn progress(&self) -> Progress {
@@ -230,10 +278,10 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
 
     /// The evolution, while it is at the start of a step: what a caller needs who moves the front
     /// by its own means, in bands on several processors, and then tells
-    /// [`Self::finish_evolution`].
+    /// [`Self::finish_evolution`]. A front that several bands move is left to [`Self::poll`].
     pub fn evolution(&mut self) -> Option<Evolution<'_, A, S>> {
         let pixels = self.width.saturating_mul(self.height);
-        let due = self.state.stage == Stage::Evolve && self.state.row == 0 && self.state.pass == 0;
+        let due = self.state.stage == Stage::Evolve && self.state.row == 0 && self.state.pass == 0 && !self.has_bands();
         due.then_some(Evolution {
             front: self.memory.front.get_mut(..pixels)?,
             speed: self.memory.image.get(..pixels)?,
@@ -258,9 +306,18 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         Ok(self.progress())
     }
 
-    /// The image plane: W x H cells that hold what the stage under way makes of them.
+    /// The image plane: W x H cells that hold what the stage under way makes of them. Of several bands, the plane of
+    /// the one under way, which are made from the last to the first.
     pub fn image(&self) -> &[A::Cell] {
+        if self.has_bands() {
+            return self.bands.plane(self.bands.under_way(), self.width.saturating_mul(self.height));
+        }
         self.memory.image.get(..self.width.saturating_mul(self.height)).unwrap_or(&[])
+    }
+
+    /// What the front sees of a band of several, from the front's start on: W x H cells; none of a band that there is not.
+    pub fn band(&self, at: usize) -> &[A::Cell] {
+        self.bands.plane(at, self.width.saturating_mul(self.height))
     }
 
     /// The front plane: the front until the evolution ends, then labels.

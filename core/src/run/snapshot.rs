@@ -3,14 +3,16 @@
 //! All words are little-endian, 32 bits. In order: the header (magic, version, code of the
 //! arithmetic, columns, rows, sources in the catalogue, CRC-32 of the configuration), the state,
 //! the counts, the image plane, the front plane, the ring of old rows (cells of 2 or 4 bytes as they are), the
-//! flags of the tiles, the catalogue, and the CRC-32 of everything before. Nothing is buffered beyond 64 bytes.
+//! flags of the tiles, the catalogue, of several bands their planes and what is known of each, and the CRC-32 of everything before. Nothing is buffered beyond 64 bytes.
 
 use crate::arithmetic::Arithmetic;
 use crate::arithmetic::codec::{Codec, Reader, Writer};
 use crate::arithmetic::digest::Digest;
 use crate::config::Config;
+use crate::front::bands::Bands;
 use crate::plane::sweep::ring_len;
 use crate::run::memory::{Memory, flags_len};
+use crate::run::plan::Plan;
 use crate::run::state::State;
 use crate::sky::otsu::BINS;
 use crate::sources::catalog::Source;
@@ -20,10 +22,11 @@ use core::fmt;
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
 const VERSION: u32 = 7;
-/// Words of the header, of the state and of a source.
+/// Words of the header, of the state, of a source and of a band.
 const HEADER_WORDS: usize = 7;
 const STATE_WORDS: usize = 134;
 const SOURCE_WORDS: usize = 25;
+const BAND_WORDS: usize = 21;
 
 /// Why a snapshot was not taken up. The run that was to take it up has lost its memory and will
 /// only report [`crate::error::Error::NotRestored`]; set up another, or take up another snapshot.
@@ -96,6 +99,11 @@ pub const fn bytes(width: usize, height: usize, cell_bytes: usize, window: usize
     4 * words + cell_bytes * (2 * width * height + ring_len(width, window))
 }
 
+/// Bytes more, of so many bands ([`crate::front::bands`]).
+pub const fn band_bytes(width: usize, height: usize, cell_bytes: usize, bands: usize) -> usize {
+    bands * (cell_bytes * width * height + 4 * BAND_WORDS)
+}
+
 /// A run, as a snapshot sees it.
 pub(crate) struct Parts<'a, 'm, A: Arithmetic> {
     pub config: &'a Config,
@@ -105,6 +113,7 @@ pub(crate) struct Parts<'a, 'm, A: Arithmetic> {
     /// The bound on row operations.
     pub bound: u64,
     pub memory: &'a mut Memory<'m, A>,
+    pub bands: &'a mut Bands<'m, A>,
     pub state: &'a mut State<A>,
 }
 
@@ -115,7 +124,8 @@ impl<A: Arithmetic> Parts<'_, '_, A> {
             (VERSION, "format version"),
             (u32::from(A::CODE), "arithmetic"),
             (self.width as u32, "width"),
-            (self.height as u32, "height"),
+            // Of all bands, as the frame has them.
+            (self.height.saturating_mul(self.bands.each.len().max(1)) as u32, "height"),
             (self.memory.sources.len() as u32, "length of the catalogue"),
             (self.config.digest(), "configuration"),
         ]
@@ -134,7 +144,8 @@ impl<A: Arithmetic> Parts<'_, '_, A> {
             codec.word(&mut word)?;
             *flag = word as u8;
         }
-        self.memory.sources.iter_mut().try_for_each(|source: &mut Source| source.code(codec))
+        self.memory.sources.iter_mut().try_for_each(|source: &mut Source| source.code(codec))?;
+        self.bands.code(pixels, codec)
     }
 
     /// Writes the run out. It is left as it was.
@@ -145,7 +156,8 @@ impl<A: Arithmetic> Parts<'_, '_, A> {
     /// Takes a run up. After an error the memory holds nothing of use.
     pub fn restore<E>(&mut self, read: impl FnMut(&mut [u8]) -> Result<(), E>) -> Result<(), SnapshotError<E>> {
         read_back(read, &self.header(), |reader| self.body(reader))?;
-        let is_sound = self.state.is_sound(self.config, self.width, self.height, self.bound);
+        let plan = Plan::of_bands(self.config, self.bands.each.len());
+        let is_sound = self.bands.is_sound() && self.state.is_sound(plan, (self.width, self.height), self.bound);
         if is_sound { Ok(()) } else { Err(SnapshotError::Damaged) }
     }
 }

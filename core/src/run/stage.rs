@@ -132,6 +132,11 @@ impl Stage {
         (self as u32) <= Stage::Measure as u32
     }
 
+    /// Whether it makes the filtered image: of several bands, of each.
+    pub(crate) const fn is_of_band(self) -> bool {
+        (self as u32) <= Stage::Filter as u32
+    }
+
     /// Its number in snapshots.
     pub(crate) fn code(self) -> u32 {
         self as u32

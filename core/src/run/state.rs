@@ -121,7 +121,8 @@ impl<A: Arithmetic> State<A> {
 
     /// Whether a run could have come to this state: every count within its bound, every number
     /// within its range.
-    pub fn is_sound(&self, config: &Config, width: usize, height: usize, bound: u64) -> bool {
+    pub fn is_sound(&self, plan: Plan<'_>, (width, height): (usize, usize), bound: u64) -> bool {
+        let config = plan.config();
         let pixels = width.saturating_mul(height);
         let in_frame = [self.extremes.defined, self.mask_pixels, self.labels, self.unlabelled, self.unreached]
             .iter()
@@ -133,7 +134,6 @@ impl<A: Arithmetic> State<A> {
             least.is_finite() && greatest.is_finite() && least <= greatest
         };
         let numbers = [self.range.low, self.range.high, self.fill, self.tau, self.last_change];
-        let plan = Plan::of(config);
         let step = plan.step(self.stage);
         let before_range = plan.is_before_image(self.stage);
         in_frame

@@ -121,7 +121,7 @@ fn quantile(sorted: &[u32], parts: usize, step: f32) -> f32 {
 
 /// The value of a rank, the values of a clump being spread evenly over a step.
 #[inline(always)]
-fn at_rank(sorted: &[u32], rank: usize, step: f32) -> f32 {
+pub(super) fn at_rank(sorted: &[u32], rank: usize, step: f32) -> f32 {
     let Some(value) = sorted.get(rank).map(|&key| f32::of_key(key)) else { return 0.0 };
     let (low, high) = (value - step / 3.0, value + step / 3.0);
     let first = sorted.partition_point(|&key| f32::of_key(key) < low);

@@ -1,6 +1,7 @@
 //! The mesh of cells over a frame.
 
 use super::clipped::Clipped;
+use super::quiet::{Pixels, quiet};
 use super::{LEAST_PIXELS, Sky, Values, clipped};
 use crate::arithmetic::Level;
 use crate::plane::crew::{Alone, Crew};
@@ -181,7 +182,7 @@ impl<'m> Mesh<'m> {
         let cost = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1)) * 2;
         walk.pass(grid.cells(), cost, |cells| {
             if cells.len() == grid.cells() {
-                let told = self.measure_cells(crew, frame, seen, values, keys);
+                let told = self.measure_cells(crew, frame, &seen, values, keys.again());
                 *survey = self.remember(&told);
                 return;
             }
@@ -198,6 +199,23 @@ impl<'m> Mesh<'m> {
                     *cell = clipped(keys.sort(count.sky), values);
                 }
                 self.mark(index, is_enough);
+            }
+        })?;
+        let columns = size.0;
+        let pixels = Pixels {
+            size,
+            defined: |x: usize, y: usize| seen(y * columns + x).defined,
+            value: |x: usize, y: usize| frame.value(y * columns + x),
+        };
+        // The mark of a cell that was not measured is one.
+        let crowded = if survey.is_crowded() { grid.cells() } else { 0 };
+        walk.pass(crowded, 2 * cost, |cells| {
+            for index in cells {
+                let Some(cell) = self.cells.get_mut(index).filter(|cell| cell.known()) else { continue };
+                if !self.copy.get(index).is_some_and(|mark| mark.known()) {
+                    let quiet = quiet(&pixels, sides(size, grid, index), cell.level, values, &mut keys);
+                    cell.quieten(quiet);
+                }
             }
         })?;
         self.settle(walk, *survey)
@@ -279,18 +297,29 @@ impl<'m> Mesh<'m> {
             let (x, y) = (middle.0.checked_sub(part.origin.0), middle.1.checked_sub(part.origin.1));
             x.zip(y).is_some_and(|place| part.owns(place))
         };
+        let value = |x: usize, y: usize| local(y * size.0 + x).and_then(|at| frame.value(at));
+        let is_defined = |at: usize| local(at).is_some_and(|at| seen(at) != Seen::Undefined);
+        let defined = |x: usize, y: usize| {
+            (0..WORD).rev().fold(0, |word, bit| word << 1 | u32::from(is_defined(y * size.0 + x + bit)))
+        };
+        let pixels = Pixels { size, defined, value };
+        let cells = &*self.cells;
         let words = |index: usize| {
             let mut count = Count::default();
             let of_sky = places(index).filter(|&at| count.sees(seen(at)) == Seen::Sky);
             let sorted = keys.sorted(of_sky.filter_map(|at| frame.value(at).map(|pixel| pixel + 0.0)));
-            let (Sky { level, noise }, Count { all, defined, sky }) = (clipped(sorted, values), count);
-            [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits()]
+            let (Sky { level, noise }, is_enough) = (clipped(sorted, values), count.is_enough());
+            let Count { all, defined, sky } = count;
+            let before = cells.get(index).filter(|cell| cell.known() && !is_enough);
+            let quiet = before.and_then(|sky| quiet(&pixels, sides(size, grid, index), sky.level, values, &mut keys));
+            let quiet = quiet.unwrap_or(f32::NAN);
+            [index as u32, all as u32, defined as u32, sky as u32, level.to_bits(), noise.to_bits(), quiet.to_bits()]
         };
         let answer = whole.words(Question::Cells(round), &mut (0..grid.cells()).filter(is_own).flat_map(words))?;
         let cell = |index: usize| answer.get(index * CELL_WORDS..).and_then(|words| words.first_chunk::<CELL_WORDS>());
         let mut told = [Told::default(); MOST_CELLS];
         for (index, own) in self.cells.iter_mut().enumerate() {
-            let Some(&[_, all, defined, sky, level, noise]) = cell(index) else { continue };
+            let Some(&[_, all, defined, sky, level, noise, _]) = cell(index) else { continue };
             let count = Count { all: all as usize, defined: defined as usize, sky: sky as usize };
             let (column, row) = grid.place(index);
             if told.get_mut(row).is_some_and(|told| told.hears(column, &count)) {
@@ -298,6 +327,12 @@ impl<'m> Mesh<'m> {
             }
         }
         let survey = self.remember(&told);
+        if survey.is_crowded() {
+            for (index, own) in self.cells.iter_mut().enumerate() {
+                let quiet = cell(index).map(|&[.., quiet]| f32::from_bits(quiet)).filter(|quiet| quiet.is_finite());
+                own.quieten(quiet.filter(|_| !self.copy.get(index).is_some_and(|mark| mark.known())));
+            }
+        }
         self.settle(&mut Walk::whole(), survey)?;
         Some(survey)
     }

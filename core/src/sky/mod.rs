@@ -15,6 +15,7 @@ pub mod noise;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod otsu;
 pub mod photon;
+mod quiet;
 pub mod rosin;
 #[deny(clippy::arithmetic_side_effects)]
 pub mod select;
@@ -28,6 +29,9 @@ pub use clipped::{LEAST_PIXELS, clipped};
 pub(crate) use mesh::Words;
 pub use mesh::{CELL, MOST_CELLS, Mesh, Seen, Survey, cell_pixels, cells_along, mesh_cells};
 pub use values::Values;
+
+/// Between this share of the measured noise and all of it, noise by differences is the less certain.
+const QUIETER: f32 = 0.9;
 
 /// Background and noise of one cell, in units of the image; NaN where too few pixels are sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,5 +48,10 @@ impl Sky {
 
     fn known(self) -> bool {
         self.level.is_finite() && self.noise.is_finite()
+    }
+
+    /// Takes a noise that is clearly less.
+    fn quieten(&mut self, noise: Option<f32>) {
+        self.noise = noise.filter(|noise| *noise < QUIETER * self.noise).unwrap_or(self.noise);
     }
 }

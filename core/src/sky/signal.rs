@@ -4,11 +4,10 @@ use crate::arithmetic::codec::Codec;
 use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::{Crew, MOST_BANDS};
-use crate::plane::grid::Grid;
-use crate::plane::mask::{Mask, MaskMut};
+use crate::plane::mask::{Mask, MaskMut, WORD, flooded};
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::raster::{Sample, mixed};
-use crate::plane::rows::{row_of, rows_of_mut, sweep, whole_piece};
+use crate::plane::rows::row_of;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::{Keys, median};
 use crate::plane::walk::Walk;
@@ -324,37 +323,40 @@ pub(crate) fn mask_sources<L: Level, P: Sample>(
     work: &mut Planes<'_, L>,
 ) -> Option<()> {
     let (grid, width) = (view.grid, view.grid.width.get());
-    let (source, perhaps) = (L::ONE, perhaps());
+    // A bit for each pixel, in rows of whole words: is it a source's, and is it if it touches one.
+    let words = width.div_ceil(WORD);
+    let [sources, perhaps] = { [&mut *work.keys.0, &mut *work.keys.1] }
+        .map(|room| room.get_mut(..words.saturating_mul(grid.height)).unwrap_or(&mut []));
     walk.pass(grid.height, width, |rows| {
-        let (smooth, bands) = (&*work.smooth, bands_of(&rows, width * crew.rows(grid), width, work.fine));
-        crew.each(bands, |(first, fine)| {
-            for (fine, &smooth) in fine.iter_mut().zip(smooth.get(first * width..).unwrap_or(&[])) {
-                *fine = match (smooth > outline, *fine > peak) {
-                    (true, true) => source,
-                    (true, false) => perhaps,
-                    _ => L::ZERO,
-                };
+        let (smooth, fine, band) = (&*work.smooth, &*work.fine, words * crew.rows(grid));
+        let bands = bands_of(&rows, band, words, sources).zip(bands_of(&rows, band, words, perhaps));
+        crew.each(bands, |((first, sources), (_, perhaps))| {
+            let rows = sources.chunks_exact_mut(words.max(1)).zip(perhaps.chunks_exact_mut(words.max(1)));
+            for (y, (sources, perhaps)) in (first..).zip(rows) {
+                let (smooth, fine) = (row_of(smooth, width, y), row_of(fine, width, y));
+                crew.wide(Marks { smooth, fine, outline, peak, sources, perhaps });
             }
         });
     })?;
     // From the peaks outwards, along the rows and back; what winds more than that stays unmasked.
-    let marks = &mut *work.fine;
     for backwards in [false, true, false] {
-        let pieces = marks.len().div_ceil(MARKS);
-        walk.pass(pieces, MARKS, |part| {
-            for piece in part {
-                let first = MARKS * if backwards { pieces - 1 - piece } else { piece };
-                let end = marks.len().min(first + MARKS);
-                let length = end - first;
-                let open = crew.wide(Marks { marks, grid, first, length });
-                sweep(open, length, !backwards, |at| mark_beside(marks, first + at, grid));
+        walk.pass(grid.height, words, |rows| {
+            for row in rows {
+                let y = if backwards { grid.height - 1 - row } else { row };
+                mark_beside((sources, row_of(perhaps, words, y)), y, words, backwards);
             }
         })?;
     }
+    let sources = &*sources;
     walk.pass(grid.height, width, |rows| {
-        for mark in rows_of_mut(marks, &rows, width) {
-            *mark = if *mark < source { L::ZERO } else { *mark };
-        }
+        crew.each(bands_of(&rows, width * crew.rows(grid), width, work.fine), |(first, marks)| {
+            for (y, marks) in (first..).zip(marks.chunks_exact_mut(width)) {
+                for (word, marks) in row_of(sources, words, y).iter().zip(marks.chunks_mut(WORD)) {
+                    let mark = |bit: u32| if word >> bit & 1 == 1 { L::ONE } else { L::ZERO };
+                    marks.iter_mut().zip(0..).for_each(|(out, bit)| *out = mark(bit));
+                }
+            }
+        });
     })?;
     walk.pass(grid.height, 2 * width, |rows| {
         let masked = MaskMut(work.masked.0);
@@ -363,55 +365,54 @@ pub(crate) fn mask_sources<L: Level, P: Sample>(
     mask_undefined(walk, view, &mut work.masked)
 }
 
-/// Marks that are looked at together.
-const MARKS: usize = 16;
-
-/// The mark of a pixel that is a source's if it touches one.
-fn perhaps<L: Level>() -> L {
-    L::of(0.5)
-}
-
-/// Marks of a piece, as the question which may be a source's and touch one: a bit for each, the lowest for the first. Where
-/// the plane ends it is not told.
+/// Of a row of pixels, which are a source's and which are if they touch one: a bit for each.
 struct Marks<'a, L> {
-    marks: &'a [L],
-    grid: Grid,
-    first: usize,
-    length: usize,
+    smooth: &'a [L],
+    fine: &'a [L],
+    outline: L,
+    peak: L,
+    sources: &'a mut [u32],
+    perhaps: &'a mut [u32],
 }
 
 impl<L: Level> Task for Marks<'_, L> {
-    type Output = u32;
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> u32 {
-        let Marks { marks, grid, first, length } = self;
-        let (width, unknown) = (grid.width.get(), whole_piece(length));
-        let piece = |first: Option<usize>| marks.get(first?..)?.first_chunk::<MARKS>();
-        let Some(own) = piece(Some(first)).filter(|_| length == MARKS) else { return unknown };
-        if !own.iter().fold(false, |any, &mark| any | (mark == perhaps())) {
-            return 0;
+    fn run(self) {
+        let Marks { smooth, fine, outline, peak, sources, perhaps } = self;
+        let pieces = smooth.chunks(WORD).zip(fine.chunks(WORD));
+        for ((sources, perhaps), (smooth, fine)) in sources.iter_mut().zip(perhaps).zip(pieces) {
+            let inside = bits_of(smooth, outline);
+            let peaks = if inside == 0 { 0 } else { bits_of(fine, peak) };
+            (*sources, *perhaps) = (inside & peaks, inside & !peaks);
         }
-        let mut open = [0; MARKS];
-        for row in [first.checked_sub(width), Some(first), Some(first + width)] {
-            for beside in [row.and_then(|row| row.checked_sub(1)), row, row.map(|row| row + 1)] {
-                let Some(near) = piece(beside) else { return unknown };
-                open.iter_mut().zip(near).for_each(|(open, &near)| *open |= u32::from(near == L::ONE));
-            }
-        }
-        open.iter_mut().zip(own).for_each(|(open, &own)| *open &= u32::from(own == perhaps()));
-        (0..).zip(open).fold(0, |bits, (bit, open)| bits | open << bit)
     }
 }
 
-/// Marks a pixel that may be a source's where it touches one; whether it did.
-fn mark_beside<L: Level>(marks: &mut [L], index: usize, grid: Grid) -> bool {
-    let is = |at: usize, wanted: L| marks.get(at).is_some_and(|&mark| mark == wanted);
-    let touches = is(index, perhaps()) && grid.neighbours(index).any(|at| is(at, L::ONE));
-    if let Some(mark) = marks.get_mut(index).filter(|_| touches) {
-        *mark = L::ONE;
+/// A bit for each of at most [`WORD`] values, the lowest for the first: is it above a level.
+#[inline(always)]
+fn bits_of<L: Level>(values: &[L], level: L) -> u32 {
+    let bits = |values: &[L]| (0..).zip(values).fold(0, |bits, (bit, &value)| bits | u32::from(value > level) << bit);
+    // Of whole words the compiler knows how many there are.
+    values.first_chunk::<WORD>().map_or_else(|| bits(values), |values| bits(values))
+}
+
+/// Marks the pixels of row `y` that may be a source's where they touch one, one after another.
+fn mark_beside((sources, perhaps): (&mut [u32], &[u32]), y: usize, words: usize, backwards: bool) {
+    for place in 0..words {
+        let at = if backwards { words - 1 - place } else { place };
+        let open = perhaps.get(at).copied().unwrap_or(0);
+        if open == 0 {
+            continue;
+        }
+        let rows = [y.checked_sub(1), Some(y), Some(y + 1)];
+        let near = rows.into_iter().flatten().fold(0, |near, y| near | Mask(row_of(sources, words, y)).beside(at));
+        let marked = flooded(open, near & open, backwards);
+        if let Some(word) = sources.get_mut(y * words + at) {
+            *word |= marked;
+        }
     }
-    touches
 }
 
 /// Masks the pixels without a signal: they would count as quiet sky.
@@ -426,9 +427,42 @@ pub(crate) fn mask_undefined<P: Sample>(walk: &mut Walk, view: &View<'_, P>, mas
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::grid::Grid;
     use crate::plane::raster::Raster;
 
     extern crate std;
+
+    /// Pixel by pixel along the rows, and back.
+    #[test]
+    fn what_may_be_a_sources_is_one_where_it_touches_one() {
+        const HEIGHT: usize = 19;
+        let mut state = 1u32;
+        for width in [1usize, 2, 31, 32, 33, 64, 70] {
+            let (words, grid) = (width.div_ceil(WORD), Grid::of(width * HEIGHT, width).expect("there are columns"));
+            let mut draw = |percent: u32| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 8) % 100 < percent
+            };
+            let perhaps: std::vec::Vec<bool> = (0..grid.cells()).map(|_| draw(45)).collect();
+            let mut sources: std::vec::Vec<bool> = perhaps.iter().map(|&perhaps| draw(4) && !perhaps).collect();
+            let plane = |of: &[bool]| -> std::vec::Vec<u32> {
+                let word = |row: &[bool]| row.iter().rev().fold(0, |word, &bit| word << 1 | u32::from(bit));
+                of.chunks(width).flat_map(|row| row.chunks(WORD).map(word)).collect()
+            };
+            let (mut marked, perhaps_of_rows) = (plane(&sources), plane(&perhaps));
+            for backwards in [false, true, false] {
+                for row in 0..HEIGHT {
+                    let y = if backwards { HEIGHT - 1 - row } else { row };
+                    mark_beside((&mut marked, row_of(&perhaps_of_rows, words, y)), y, words, backwards);
+                }
+                for place in 0..grid.cells() {
+                    let at = if backwards { grid.cells() - 1 - place } else { place };
+                    sources[at] |= perhaps[at] && grid.neighbours(at).any(|near| sources[near]);
+                }
+                assert_eq!(marked, plane(&sources), "{width} columns, backwards {backwards}");
+            }
+        }
+    }
 
     const X: f32 = f32::NAN;
     #[rustfmt::skip]

@@ -228,8 +228,11 @@ impl Look {
                     let sum = |sum: u32, (at, &pixel): (usize, &f32)| sum.wrapping_add(mixed(at as u32, pixel));
                     values.checksum = places.clone().zip(piece).fold(values.checksum, sum);
                 }
-                let holds = |(at, &pixel): (usize, &f32)| values.holds(pixel) & allowed(at);
-                if places.clone().zip(piece).fold(true, |all, pixel| all & holds(pixel)) {
+                // Apart: of the first vector units make one question, and of the second nobody asks where nothing is known.
+                let holds = |pixel: f32| pixel.is_finite() & (pixel != values.fill);
+                if piece.iter().fold(true, |all, &pixel| all & holds(pixel))
+                    && places.clone().zip(piece).all(|(at, _)| allowed(at))
+                {
                     values.defined += (piece.len() - usize::from(x < columns.start)) as u32;
                     reach = reach.with(piece).after(before, piece.first().copied());
                     before = piece.last().copied();

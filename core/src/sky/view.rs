@@ -2,6 +2,7 @@
 
 use crate::arithmetic::Level;
 use crate::error::Error;
+use crate::plane::camera::Camera;
 use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
@@ -25,6 +26,9 @@ pub struct Known<'a> {
     pub relative: bool,
     /// Pixels that are undefined whatever they hold, row by row and along these.
     pub bad: &'a [BadPixel],
+    /// The camera: its gain counts in the errors of sources, and its saturation in their flags. Sky, noise and the width
+    /// of stars are measured.
+    pub camera: Option<&'a Camera>,
     /// The image that the frame is a part of, which knows what depends on all of it.
     pub whole: Option<&'a dyn Whole>,
 }
@@ -47,11 +51,12 @@ impl Known<'_> {
             && Self::value(self.noise, at).is_none_or(|noise| noise.is_finite() && noise > 0.0)
     }
 
-    /// Checks that the list of bad pixels is in order.
+    /// Checks the camera, and that the list of bad pixels is in order.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that lies before the one before it.
-    pub(crate) fn check_bad(&self) -> Result<(), Error> {
+    /// [`Error::Parameter`] names what is out of bounds, or the first pixel that lies before the one before it.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.camera.map_or(Ok(()), Camera::validate)?;
         let before = |pair: &[BadPixel]| pair.first().map(BadPixel::place) > pair.get(1).map(BadPixel::place);
         let unordered = self.bad.windows(2).position(before).and_then(|at| self.bad.get(at..)?.first_chunk());
         let Some(&[before, bad]) = unordered else { return Ok(()) };

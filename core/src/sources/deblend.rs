@@ -65,21 +65,39 @@ fn alone<L: Level>(field: Field<'_, L>, [host, other]: [(L, L); 2], place: (L, L
     Some((light - mirrored.least(field.around(host, across))).positive())
 }
 
-/// The light of a source at a place: what lies across its centre or, where that is beyond the frame or too much of it
-/// another's, what is on its ellipse there, of it or of the sky. `None` where the frame does not show it.
-fn own_light<L: Level>(field: Field<'_, L>, labels: &[u32], regions: &[Region<L>], label: u32, at: usize) -> Option<L> {
+/// Whether what `other` alone has at a place ([`alone`]) is more than a bound, which is not below 0. Looks no farther than
+/// it takes to know.
+fn is_more_alone<L: Level>(field: Field<'_, L>, [host, other]: [(L, L); 2], place: (L, L), bound: L) -> bool {
+    let across = opposite(other, place);
+    let Some(light) = field.between(across).filter(|&light| light > bound) else { return false };
+    let is_more = |taken: L| light - taken > bound;
+    is_more(field.between(opposite(host, across)).unwrap_or(L::ZERO)) || field.is_low_around(host, across, is_more)
+}
+
+/// Whether a pixel has more than [`OTHER`] times the light that a source has there: what lies across its centre or, where
+/// that is beyond the frame or too much of it another's, what is on its ellipse there, of it or of the sky. `None` where
+/// the frame does not show it.
+fn is_beyond<L: Level>(
+    field: Field<'_, L>,
+    labels: &[u32],
+    regions: &[Region<L>],
+    label: u32,
+    at: usize,
+) -> Option<bool> {
     let region = region_of(regions, label)?;
     let across = field.across(region.centre, at);
     let is_own = |light: L| {
         let other = field.nearest(across).map_or(0, |at| label_at(labels, at));
         let centres = || [region.centre, centre_of(regions, other)];
-        other == 0
-            || other == label
-            || alone(field, centres(), across).unwrap_or(L::ZERO) <= light.scaled(L::Weight::of(FOREIGN))
+        let bound = light.scaled(L::Weight::of(FOREIGN));
+        other == 0 || other == label || !is_more_alone(field, centres(), across, bound)
     };
+    let is_low = |light: L| field.at(at) > light.scaled(L::Weight::of(OTHER));
+    if let Some(light) = field.between(across).filter(|&light| is_own(light)) {
+        return Some(is_low(light));
+    }
     let counts = |at: usize| [0, label].contains(&label_at(labels, at));
-    let on_ellipse = || field.on_ellipse((region.centre, region.shape()), field.place(at), counts);
-    field.between(across).filter(|&light| is_own(light)).or_else(on_ellipse)
+    field.is_low_on_ellipse((region.centre, region.shape()), field.place(at), counts, is_low)
 }
 
 /// The most light that a host may have at a pixel: what is mirrored at its centre, as well as that is known, or what the
@@ -400,7 +418,7 @@ fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[R
     if own == 0 || is_alone(labels, field.grid, at) {
         return false;
     }
-    let mut best = own;
+    let (mut best, mut compared) = (own, (0, 0));
     for near in field.grid.touching(at, 4) {
         let other = label_at(labels, near);
         if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
@@ -408,8 +426,13 @@ fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[R
         }
         let brighter = light_of(regions, best) >= light_of(regions, other);
         let (bright, faint) = if brighter { (best, other) } else { (other, best) };
-        if let Some(host) = own_light(field, labels, regions, bright, at) {
-            best = if field.at(at) > host.scaled(L::Weight::of(OTHER)) { faint } else { bright };
+        // Most pixels at a border touch the other source twice.
+        if (bright, faint) == compared {
+            continue;
+        }
+        compared = (bright, faint);
+        if let Some(is_beyond) = is_beyond(field, labels, regions, bright, at) {
+            best = if is_beyond { faint } else { bright };
         }
     }
     match labels.get_mut(at).filter(|_| best != own) {
@@ -625,6 +648,31 @@ mod tests {
         let mut opening = Opening { count: Count { regions: 1, left_out: 0 }, ..Opening::NOTHING };
         let _ = reopen((&mut Walk::whole(), &Alone), &mut opening, &reopening, &mut labels, &mut queue, &mut regions);
         opening.count.regions - 1
+    }
+
+    /// By a look at as little as it takes, and at all there is.
+    fn what_another_has_alone_is_compared_as_it_is<L: Level>() {
+        let light = |at: usize| L::of((at * 7919 % 101) as f32 - 20.0);
+        let values: Vec<L> = (0..SIDE * SIDE).map(light).collect();
+        let field = Field { values: &values, grid: Grid::of(values.len(), SIDE).expect("there are columns") };
+        let place = |x: f32, y: f32| (L::of(x), L::of(y));
+        let mut more = 0;
+        for at in 0..SIDE * SIDE {
+            let centres = [place(30.25, 31.5), place((at % 61) as f32 + 0.5, (at % 53) as f32)];
+            let alone = alone(field, centres, field.place(at)).unwrap_or(L::ZERO);
+            for bound in [L::ZERO, L::of(8.0), L::of(25.0), alone] {
+                let is_more = is_more_alone(field, centres, field.place(at), bound);
+                assert_eq!(is_more, alone > bound, "{at}: {alone:?} and {bound:?}");
+                more += usize::from(is_more);
+            }
+        }
+        assert!((1000..3 * SIDE * SIDE).contains(&more), "{more}");
+    }
+
+    #[test]
+    fn what_another_has_alone_is_compared_as_it_is_in_both_arithmetics() {
+        what_another_has_alone_is_compared_as_it_is::<f32>();
+        what_another_has_alone_is_compared_as_it_is::<Fixed14>();
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub(crate) mod centre;
 pub mod deblend;
 pub mod flags;
 pub mod label;
+pub mod measure;
 pub(crate) mod pieces;
 pub mod selection;
 pub mod separate;

@@ -287,8 +287,9 @@ pub(crate) fn measure<L: Level, P: Sample>(
                 region.value = matched;
             }
             let ((x, y), peaks) = (view.grid.place(at), region.offsets);
-            let matched = matched.to_f32() * weight(left + x, columns) * weight(bottom + y, rows);
-            region.offsets = (peaks.0.greatest(narrow.to_f32()), peaks.1.greatest(matched));
+            let weight = weight(left + x, columns) * weight(bottom + y, rows);
+            let (narrow, matched) = (narrow.to_f32() * weight, matched.to_f32() * weight);
+            region.offsets = (peaks.0.greatest(narrow), peaks.1.greatest(matched));
         }
     })
 }

@@ -17,6 +17,7 @@ mod solve;
 #[deny(clippy::arithmetic_side_effects)]
 mod window;
 
+pub use crate::plane::camera::Camera;
 pub use crate::plane::raster::{BadPixel, Pixel, Raster};
 pub use fit::STEPS;
 pub use window::Window;
@@ -41,22 +42,6 @@ pub const HOT: u32 = 1 << 2;
 pub const BLENDED: u32 = 1 << 3;
 /// No star of [`LEAST_SNR`] is in the window, or its centre does not settle inside: place as predicted.
 pub const LOST: u32 = 1 << 4;
-
-/// What is known of the camera.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
-    /// The value of a pixel without light, counts.
-    pub black: f32,
-    /// Electrons per count, above 0.
-    pub gain: f32,
-    /// Noise of a pixel without light, electrons, at least 0.
-    pub read_noise: f32,
-    /// Pixels from this value on are saturated, counts.
-    pub saturation: f32,
-    /// Standard deviation of a star's image before pixels sample it, pixels, 0.5 to 3.
-    pub psf_sigma: f32,
-}
 
 /// What a window holds. Pixel centres have whole coordinates from (0, 0), the frame's first pixel.
 #[repr(C)]
@@ -89,37 +74,6 @@ impl Star {
     fn lost(window: &Window, flags: u32) -> Star {
         let errors = f32::INFINITY;
         Star { x: window.x, y: window.y, errx2: errors, erry2: errors, flags: flags | LOST, ..Star::EMPTY }
-    }
-}
-
-impl Camera {
-    /// Checks every parameter.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] names the first that is out of bounds.
-    pub fn validate(&self) -> Result<(), Error> {
-        let within = |name, value: f32, (least, most): (f32, f32)| match value {
-            value if value >= least && value <= most => Ok(()),
-            value if value > most => Err(Error::Parameter { name, value, bound: "at most", limit: most }),
-            value => Err(Error::Parameter { name, value, bound: "at least", limit: least }),
-        };
-        let counts = (0.0, 65_536.0);
-        within("black", self.black, counts)?;
-        within("gain", self.gain, (1e-3, 1e6))?;
-        within("read noise", self.read_noise, (0.0, 1e6))?;
-        within("saturation", self.saturation, counts)?;
-        within("PSF sigma", self.psf_sigma, (0.5, 3.0))
-    }
-
-    /// The least count that is saturated.
-    fn full(&self) -> u32 {
-        libm::ceilf(self.saturation) as u32
-    }
-
-    /// Variance of a pixel on a sky level in counts: read-out, photons, and the rounding to whole counts.
-    fn variance(&self, sky: f32) -> f32 {
-        let (light, dark) = (sky - self.black, self.read_noise / self.gain);
-        dark * dark + if light > 0.0 { light / self.gain } else { 0.0 } + 1.0 / 12.0
     }
 }
 

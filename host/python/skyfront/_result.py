@@ -154,7 +154,10 @@ def in_python(text):
 def summarised(summary, image, notes):
     """The command line's summary of an array: there is no file."""
     height, width = image.pixels.shape
+    combine = summary["input"]["beside"].get("combine")
     summary["input"] = {"dtype": image.pixels.dtype.name, "unit": None if image.unit is None else str(image.unit)}
+    if combine is not None:
+        summary["input"]["combine"] = combine["file"]
     summary["result_warnings"] = notes
     return summary
 

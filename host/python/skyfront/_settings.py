@@ -67,6 +67,12 @@ OWN = [
      "The standard deviation of every pixel; not given, it is measured. The same as a `weight` of the type `rms`."),
     ("wcs", None, "astropy WCS or FITS header",
      "Coordinates for the catalogue. A header also gives GAIN and SATURATE, and its own digits."),
+    ("bands", (), "sequence of images",
+     "Further images of the same pixels, of any kind that the first may be: sources are found in all together, and "
+     "measured in each (columns of the second begin with `m2_`). `background`, `noise` and `weight` do not go with it."),
+    ("combine", None, f"str: {', '.join(CHOICES['combine'])}",
+     "How: by their sum weighted by 1/noise^2 (the default), by the root of the sum of squares of signal-to-noise, or, "
+     "with `scheme='chan-vese'` and `sky='none'`, by one front that goes by each of them."),
     ("preset", CHOICES["preset"][0], f"str: {', '.join(CHOICES['preset'])}", "Settings to start from."),
     ("arithmetic", CHOICES["arithmetic"][0], f"str: {', '.join(CHOICES['arithmetic'])}", "Numbers to compute in."),
     ("gain", None, "float", "Electrons in a unit of the image, for the errors; not given, GAIN of the header."),

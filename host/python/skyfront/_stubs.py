@@ -66,7 +66,7 @@ TYPES = {
     "background": "Any", "noise": "Any", "wcs": "Any", "preset": "str", "arithmetic": "str",
     "gain": "float | None", "saturation": "float | None", "zero_point": "float | None",
     "apertures": "Sequence[float] | float", "neighbours": "str", "columns": "Sequence[str] | str",
-    "threads": "int | None", "image": "Any", "labels": "ArrayLike",
+    "bands": "Sequence[Any]", "combine": "str | None", "threads": "int | None", "image": "Any", "labels": "ArrayLike",
 }  # fmt: skip
 
 

@@ -6,7 +6,7 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 use skyfront::catalogue::{Choice, Request};
 use skyfront::choices::{ArithmeticOption, Preset};
-use skyfront::input::{Input, LabelMap, StartMap, WeightType};
+use skyfront::input::{Beside, Combine, Input, LabelMap, Observed, StartMap, WeightType, same_field};
 use skyfront::measure::{Extras, Neighbours};
 use skyfront::mosaic::Answers;
 use skyfront::read::{Card, Header, Image};
@@ -32,6 +32,8 @@ pub struct Job<'py> {
     weight: Option<(Array<'py>, String)>,
     start: Option<Array<'py>>,
     labels: Option<Array<'py>>,
+    bands: Vec<BandArray<'py>>,
+    combine: Option<String>,
     preset: String,
     arithmetic: String,
     /// Names of the table of parameters, and values as on the command line.
@@ -48,6 +50,32 @@ pub struct Job<'py> {
     /// Of a mosaic: where the pixels lie in it, and what all its parts know together.
     part: Option<Place>,
     answers: Vec<(String, Vec<u8>)>,
+}
+
+/// A further image of the same pixels.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct BandArray<'py> {
+    pixels: Array<'py>,
+    bitpix: i64,
+    cards: Vec<String>,
+    mask: Option<Bound<'py, PyArray2<bool>>>,
+}
+
+/// Its numbers, copied, with what else must be known of it.
+struct Further {
+    pixels: Plane,
+    bitpix: i64,
+    cards: Vec<String>,
+    mask: Option<Marked>,
+}
+
+impl BandArray<'_> {
+    fn copied(&self) -> PyResult<Further> {
+        let mask = self.mask.as_ref().map(Marked::of).transpose()?;
+        let pixels = plane(&self.pixels.0, self.pixels.1)?;
+        Ok(Further { pixels, bitpix: self.bitpix, cards: self.cards.clone(), mask })
+    }
 }
 
 /// Where the pixels of a part lie: columns before rows.
@@ -96,10 +124,12 @@ impl Job<'_> {
             Some(((array, swapped), kind)) => Some((plane(array, *swapped)?, kind.as_str())),
             None => None,
         };
+        let bands = self.bands.iter().map(BandArray::copied).collect::<PyResult<Vec<_>>>()?;
         let whole = || -> Result<Task, Failure> {
             let arithmetic = named(&ArithmeticOption::ALL, ArithmeticOption::name, "arithmetic", &self.arithmetic)?;
             let config = self.config(arithmetic, size, start.is_some())?;
-            let mut input = Input::alone("array", self.image(pixels));
+            let mut input = Input::alone("array", image_of(pixels, self.bitpix, &self.cards));
+            let known = background.is_some() || weight.is_some();
             // Most images come alone: then two looks at every pixel are spared.
             if mask.is_some() || background.is_some() || weight.is_some() {
                 let before = defined(&input.detected.image);
@@ -107,6 +137,7 @@ impl Job<'_> {
                 input.removed = before - defined(&input.detected.image);
             }
             input.start = start.map(|map| self.start(&map, size)).transpose()?;
+            self.find_with(bands, known, &config, arithmetic, &mut input)?;
             input.segmentation = labels.map(|map| label_map(&map, size)).transpose()?;
             let part = self.part(&config, arithmetic)?;
             Ok(Task { config, arithmetic, input, request: self.request()?, stages: self.stages, part })
@@ -155,20 +186,51 @@ impl Job<'_> {
         self.settings.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str())
     }
 
-    fn image(&self, pixels: Plane) -> Image {
-        let Plane { values, width, height } = pixels;
-        Image {
-            width,
-            height,
-            pixels: values,
-            header: Header::new(self.cards.iter().map(|card| Card::new(card)).collect()),
-            primary: Header::default(),
-            hdu: 0,
-            name: None,
-            bitpix: self.bitpix,
-            checksum: 0,
-            warnings: Vec::new(),
+    /// Has sources found in the image and its bands together, as `--with` does.
+    fn find_with(
+        &self,
+        bands: Vec<Further>,
+        known: bool,
+        config: &Config,
+        arithmetic: ArithmeticOption,
+        input: &mut Input,
+    ) -> Result<(), Failure> {
+        let how = match &self.combine {
+            Some(name) => named(&Combine::ALL, Combine::name, "combine", name)?,
+            None => Combine::default(),
+        };
+        let refused = |option, reason: &str| Err(Failure::Option(option, reason.to_owned()));
+        match (bands.is_empty(), &self.combine, &self.part) {
+            (true, Some(_), _) => return refused("combine", "it needs bands"),
+            (true, None, _) => return Ok(()),
+            (false, _, Some(_)) => return refused("bands", "a mosaic has one"),
+            (false, _, None) if known => return refused("bands", "background, noise and weight do not go with them"),
+            _ => {}
         }
+        if how == Combine::Vector {
+            arithmetic.serves(config, bands.len() + 1)?;
+        }
+        let (image, before) = (&input.detected.image, defined(&input.detected.image));
+        let size = (image.width, image.height);
+        let mut others = Vec::new();
+        for (number, band) in bands.into_iter().enumerate() {
+            let name = format!("bands[{number}]");
+            let differs = |reason: String| Failure::Option("bands", format!("{name}: {reason}"));
+            let Further { pixels, bitpix, cards, mask } = band;
+            same_shape(pixels.size(), size).map_err(differs)?;
+            let mut other = image_of(pixels, bitpix, &cards);
+            if let Some(mask) = mask {
+                same_shape(mask.size, size).map_err(differs)?;
+                mask.places.into_iter().for_each(|at| other.pixels[at] = f32::NAN);
+            }
+            same_field(image, &other, &name).map_err(|reason| Failure::Option("bands", reason.to_string()))?;
+            others.push(Observed { name, image: other, background: None, noise: None, relative: false });
+        }
+        input.find_with(others, how);
+        input.removed += before - defined(&input.detected.image);
+        let (option, keyword) = ("combine".to_owned(), "SFCOMBIN".to_owned());
+        input.beside.push(Beside { option, keyword, file: how.name().to_owned(), checksum: None });
+        Ok(())
     }
 
     fn start(&self, map: &Plane, size: (usize, usize)) -> Result<StartMap, Failure> {
@@ -208,6 +270,23 @@ impl Job<'_> {
             ..Extras::default()
         };
         Ok(Request { extras, columns, ..Request::default() })
+    }
+}
+
+/// An array as an image, with the cards of its header.
+fn image_of(pixels: Plane, bitpix: i64, cards: &[String]) -> Image {
+    let Plane { values, width, height } = pixels;
+    Image {
+        width,
+        height,
+        pixels: values,
+        header: Header::new(cards.iter().map(|card| Card::new(card)).collect()),
+        primary: Header::default(),
+        hdu: 0,
+        name: None,
+        bitpix,
+        checksum: 0,
+        warnings: Vec::new(),
     }
 }
 
@@ -258,9 +337,14 @@ const NOISE: &str = "noise";
 
 /// Whether a map has the columns and rows of the image.
 fn same_size(option: &'static str, map: (usize, usize), image: (usize, usize)) -> Result<(), Failure> {
+    same_shape(map, image).map_err(|reason| Failure::Option(option, reason))
+}
+
+/// The same, or what is wrong in words.
+fn same_shape(map: (usize, usize), image: (usize, usize)) -> Result<(), String> {
     let shape = |(width, height)| (height, width);
     let differs = || format!("its shape is {:?}, that of the image {:?}", shape(map), shape(image));
-    if map == image { Ok(()) } else { Err(Failure::Option(option, differs())) }
+    if map == image { Ok(()) } else { Err(differs()) }
 }
 
 fn remove(image: &mut Image, by: &[f32]) {

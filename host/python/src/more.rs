@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
 use skyfront::outline::rings;
 use skyfront::picture::overlay;
+use skyfront::settings::Refused;
 use skyfront::{score as measures, truth};
 use skyfront_core::config::Connectivity;
 use skyfront_core::simulate::{Conditions, Kind, Optics};
@@ -50,15 +51,6 @@ impl Seen {
             "ring" => Optics::Ring,
             _ => return Err(option(py, "optics", &format!("{:?} is none of round, coma, trail, ring", self.optics))),
         };
-        const MOST: f32 = 1e6;
-        for (name, value) in [("full_well", self.full_well), ("step", self.step)] {
-            if value.is_some_and(|value| value.is_nan() || value <= 0.0 || value > MOST) {
-                return Err(option(py, name, "must be above 0 and at most 1000000"));
-            }
-        }
-        if self.gradient.is_nan() || self.gradient.abs() > MOST {
-            return Err(option(py, "gradient", "must be at most 1000000 up or down"));
-        }
         Ok(Conditions {
             optics,
             lopsided: self.lopsided,
@@ -85,6 +77,7 @@ pub fn simulate<'py>(py: Python<'py>, kind: &str, seed: u32, shape: (usize, usiz
     }
     let (image, labels) = watched(py, move |_| {
         let sky = skyfront_core::simulate::Sky::new(kind, seed, width, height).under(conditions);
+        let sky = sky.map_err(|error| Failure::from(Refused::Value(error)))?;
         Ok((truth::observed(sky, width, height).pixels, truth::labels(&sky, width, height)))
     })?;
     Ok((rows(py, image, width)?, rows(py, labels, width)?))

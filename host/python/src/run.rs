@@ -97,7 +97,9 @@ impl Task {
         let Task { config, arithmetic, input, request, stages, part } = self;
         let asking = part.as_ref().map(|(part, answers)| Asking::new(part.clone(), answers));
         let mut watch = |_: &Progress| wanted.or_end();
+        let bands: Vec<&[f32]> = input.with.iter().map(Vec::as_slice).collect();
         let mut drive = Drive {
+            bands: &bands,
             background: input.detected.background.as_deref(),
             noise: input.detected.noise.as_deref(),
             relative: input.detected.relative,

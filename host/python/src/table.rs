@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use skyfront::catalogue::{self, Setting};
 use skyfront::choices::{ArithmeticOption, Preset};
-use skyfront::input::WeightType;
+use skyfront::input::{Combine, WeightType};
 use skyfront::measure::Neighbours;
 use skyfront::settings::{self, words};
 use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter};
@@ -63,6 +63,7 @@ pub fn choices(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     dict.set_item("preset", Preset::ALL.map(Preset::name))?;
     dict.set_item("arithmetic", ArithmeticOption::ALL.map(ArithmeticOption::name))?;
     dict.set_item("weight_type", WeightType::ALL.map(WeightType::name))?;
+    dict.set_item("combine", Combine::ALL.map(Combine::name))?;
     dict.set_item("neighbours", Neighbours::ALL.map(Neighbours::name))?;
     Ok(dict)
 }

@@ -1,11 +1,13 @@
 //! The options that name maps beside the image.
 
+use super::choices::ArithmeticOption;
 use super::{Options, Usage};
 use crate::input::{Combine, Given, Maps, WeightType};
 use crate::read::Place;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap::builder::{PathBufValueParser, TypedValueParser};
+use skyfront_core::config::Config;
 use std::path::PathBuf;
 
 /// More images would leave no letters in a keyword.
@@ -39,7 +41,7 @@ pub struct Beside {
     #[arg(long, value_name = "IMAGE2", value_parser = place(),
         conflicts_with_all = ["segmentation", "positions", "background", "weight"])]
     with: Vec<Place>,
-    /// How the images are combined for that [default: weighted].
+    /// How they are searched together [default: weighted].
     #[arg(long, value_enum, value_name = "HOW", requires = "with")]
     combine: Option<Combine>,
     /// Measure the sources in this image of the same pixels: fluxes, shapes, GAIN, SATURATE and
@@ -63,14 +65,17 @@ impl Beside {
     /// Whether the maps go together.
     ///
     /// # Errors
-    /// More images than can be told apart, or maps of some of them only.
-    pub fn validate(&self) -> Result<()> {
+    /// More images than can be told apart, maps of some of them only, or a front that does not go by several.
+    pub fn validate(&self, config: &Config, arithmetic: ArithmeticOption) -> Result<()> {
         let bands = self.measure.len();
         if bands > MOST_BANDS || self.with.len() >= MOST_BANDS {
             bail!(Usage("--measure can be given 99 times at most, --with 98 times"));
         }
         if ![0, bands].contains(&self.measure_background.len()) || ![0, bands].contains(&self.measure_weight.len()) {
             bail!(Usage("--measure-background and --measure-weight are given once for each --measure, or not at all"));
+        }
+        if self.combine == Some(Combine::Vector) {
+            arithmetic.serves(config, self.with.len() + 1)?;
         }
         Ok(())
     }

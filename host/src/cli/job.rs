@@ -77,7 +77,9 @@ pub fn process(
 ) -> Result<Done> {
     let (width, height) = (input.detected.image.width, input.detected.image.height);
     let config = &if manner.own_time { *config } else { config.with_time_for(width, height) };
+    let bands: Vec<&[f32]> = input.with.iter().map(Vec::as_slice).collect();
     let mut drive = Drive {
+        bands: &bands,
         background: input.detected.background.as_deref(),
         noise: input.detected.noise.as_deref(),
         relative: input.detected.relative,

@@ -16,7 +16,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     let config = arguments.options.config()?;
     arguments.options.arithmetic.validate(&config)?;
     arguments.measuring.validate()?;
-    arguments.beside.validate()?;
+    arguments.beside.validate(&config, arguments.options.arithmetic)?;
     let marches = config.scheme == Scheme::FastMarching && arguments.options.arithmetic == ArithmeticOption::F32;
     if arguments.manner().request.arrival && !marches {
         bail!(Usage("--arrival needs --scheme fast-marching in f32: only there each pixel has a time of arrival"));

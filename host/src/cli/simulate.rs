@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         full_well: arguments.full_well.unwrap_or(Conditions::PERFECT.full_well),
         step: arguments.step.unwrap_or(Conditions::PERFECT.step),
     };
-    let sky = Sky::new(kind, arguments.seed, side, side).under(conditions);
+    let sky = Sky::new(kind, arguments.seed, side, side).under(conditions)?;
     let image = truth::observed(sky, side, side);
     let labels: Vec<f32> = truth::labels(&sky, side, side).into_iter().map(|label| label as f32).collect();
     for (name, pixels) in [(SKY, &image.pixels), (TRUTH, &labels)] {

@@ -1,12 +1,12 @@
-//! Several images of one field as one, in which sources are found that none shows alone.
+//! Several images of one field as one, or for one front, in which sources are found that none shows alone.
 
-use super::Reason;
+use super::{Input, Observed, Reason};
 use crate::background::SkyMaps;
 use crate::read::Image;
 use crate::sky::Sky;
 
-/// How images are combined, each as signal-to-noise of its own: less the sky of its mesh, over the
-/// noise.
+/// How sources are found in several images together: in a combination of them, each as signal-to-noise of its own (less
+/// the sky of its mesh, over the noise), or by one front that goes by all of them.
 ///
 /// ```
 /// use skyfront::input::Combine;
@@ -26,6 +26,9 @@ pub enum Combine {
     /// The root of the sum of their squares (Szalay, Connolly, Szokoly 1999, doi:10.1086/300689):
     /// for sources of any colour.
     Chi2,
+    /// No image of its own: a front goes by each of them (Chan, Sandberg, Vese 2000, doi:10.1006/jvci.1999.0442); with
+    /// --scheme chan-vese and --sky none.
+    Vector,
 }
 
 /// Farther apart on the sky, in pixels, images are not of the same pixels.
@@ -37,11 +40,19 @@ impl Combine {
         match self {
             Combine::Weighted => "weighted",
             Combine::Chi2 => "chi2",
+            Combine::Vector => "vector",
         }
     }
 
-    /// The combination of images of one size; not defined where one of them is not.
+    /// Every way, the default first.
+    pub const ALL: [Combine; 3] = [Combine::Weighted, Combine::Chi2, Combine::Vector];
+
+    /// The combination of images of one size; not defined where one of them is not. [`Combine::Vector`] leaves the first
+    /// as it is elsewhere.
     pub fn of(self, images: &[&Image]) -> Vec<f32> {
+        if self == Combine::Vector {
+            return together(images);
+        }
         let pixels = images.first().map_or(0, |image| image.pixels.len());
         let (mut sum, mut weights) = (vec![0.0f64; pixels], vec![0.0f64; pixels]);
         for image in images {
@@ -52,24 +63,63 @@ impl Combine {
             {
                 let (light, noise) = (f64::from(pixel) - f64::from(level), f64::from(noise));
                 match self {
-                    Combine::Weighted => *sum += light / (noise * noise),
                     Combine::Chi2 => *sum += (light / noise).powi(2),
+                    _ => *sum += light / (noise * noise),
                 }
                 *weight += 1.0 / (noise * noise);
             }
         }
         let value = |(sum, weight): (&f64, &f64)| match self {
-            Combine::Weighted => sum / weight.sqrt(),
             Combine::Chi2 => sum.sqrt(),
+            _ => sum / weight.sqrt(),
         };
         let finite = |value: f64| if value.is_finite() { value as f32 } else { f32::NAN };
         sum.iter().zip(&weights).map(value).map(finite).collect()
     }
 }
 
+/// The first of some images, not defined where one of them is not.
+fn together(images: &[&Image]) -> Vec<f32> {
+    let mut pixels = images.first().map_or_else(Vec::new, |first| first.pixels.clone());
+    for image in images {
+        let lacking = pixels.iter_mut().zip(&image.pixels).filter(|(_, pixel)| !pixel.is_finite());
+        lacking.for_each(|(first, _)| *first = f32::NAN);
+    }
+    pixels
+}
+
+impl Input {
+    /// Has sources found in the image and others of the same pixels together, and measured in each of all, or in those
+    /// that are to be measured already.
+    pub fn find_with(&mut self, others: Vec<Observed>, how: Combine) {
+        let images: Vec<&Image> =
+            std::iter::once(&self.detected).chain(&others).map(|observed| &observed.image).collect();
+        let pixels = how.of(&images);
+        if how == Combine::Vector {
+            let further = |other: &Observed| -> Vec<f32> {
+                let lacking = |(&pixel, first): (&f32, &f32)| if first.is_nan() { f32::NAN } else { pixel };
+                other.image.pixels.iter().zip(&pixels).map(lacking).collect()
+            };
+            self.with = others.iter().map(further).collect();
+        }
+        if self.bands.is_empty() {
+            self.bands = std::iter::once(self.detected.clone()).chain(others).collect();
+        }
+        let image = &mut self.detected.image;
+        image.pixels = pixels;
+        if how != Combine::Vector {
+            // Nothing is left of its range or unit.
+            image.bitpix = -32;
+        }
+    }
+}
+
 /// Whether an image lies where another of its size does on the sky, as far as both say where they
 /// lie.
-pub(super) fn same_field(image: &Image, other: &Image, file: &str) -> Result<(), Reason> {
+///
+/// # Errors
+/// [`Reason::Elsewhere`].
+pub fn same_field(image: &Image, other: &Image, file: &str) -> Result<(), Reason> {
     let [one, two] = [image, other].map(|image| Sky::of(&image.header).ok().flatten());
     let (Some(one), Some(two)) = (one, two) else { return Ok(()) };
     let (right, top) = ((image.width - 1) as f64, (image.height - 1) as f64);
@@ -129,6 +179,22 @@ mod tests {
         let sky: Vec<f32> = weighted[..64 * 16].to_vec();
         let scatter = (sky.iter().map(|v| v * v).sum::<f32>() / sky.len() as f32).sqrt();
         assert!((scatter - 1.0).abs() < 0.1, "the weighted sum has a noise of 1, not {scatter}");
+    }
+
+    #[test]
+    fn a_front_that_goes_by_each_leaves_images_as_they_are_where_all_are_defined() {
+        let (one, mut two) = (band(1, 5.0, 1.0, 4.0), band(2, -3.0, 0.5, 8.0));
+        two.pixels[7] = f32::NAN;
+        let mut input = Input::alone("one", Image { bitpix: 16, ..one.clone() });
+        input.detected.image.pixels[9] = f32::NAN;
+        let other = Observed { name: "two".to_owned(), image: two.clone(), ..input.detected.clone() };
+        input.find_with(vec![other], Combine::Vector);
+        let lacking = |pixels: &[f32]| (0..pixels.len()).filter(|&at| pixels[at].is_nan()).collect::<Vec<_>>();
+        assert_eq!(lacking(&input.detected.image.pixels), [7, 9]);
+        assert_eq!((input.with.len(), lacking(&input.with[0])), (1, vec![7, 9]));
+        assert_eq!((input.detected.image.pixels[3], input.with[0][3]), (one.pixels[3], two.pixels[3]));
+        assert_eq!((input.bands.len(), input.detected.image.bitpix), (2, 16));
+        assert!(input.bands[0].image.pixels[7].is_finite(), "each is measured where it is known");
     }
 
     #[test]

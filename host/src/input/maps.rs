@@ -66,9 +66,10 @@ impl Maps {
     /// How many there are.
     pub fn count(&self) -> usize {
         let given = [self.mask.is_some(), self.background.is_some(), self.weight.is_some(), self.start.is_some()];
-        // The combination needs as many planes again.
-        let of_bands =
-            [2 * self.with.len(), self.measure.len(), self.measure_background.len(), self.measure_weight.len()];
+        let with = self.with.len();
+        // The combination needs as many planes again; a front that goes by each, two more of each and two of the image.
+        let together = if self.combine == Combine::Vector && with > 0 { 3 * with + 2 } else { 2 * with };
+        let of_bands = [together, self.measure.len(), self.measure_background.len(), self.measure_weight.len()];
         given.into_iter().filter(|&given| given).count() + of_bands.iter().sum::<usize>()
     }
 
@@ -142,25 +143,11 @@ impl Maps {
         }
         if !others.is_empty() {
             loader.note("combine", "SFCOMBIN", self.combine.name().to_owned(), None);
-            self.combined(&mut input, others);
+            input.find_with(others, self.combine);
         }
         input.removed = before - defined(&input.detected.image);
         input.beside = loader.beside;
         Ok(input)
-    }
-}
-
-impl Maps {
-    /// Puts the combination of an image and others in its place.
-    fn combined(&self, input: &mut Input, others: Vec<Observed>) {
-        let images: Vec<&Image> =
-            std::iter::once(&input.detected).chain(&others).map(|observed| &observed.image).collect();
-        let pixels = self.combine.of(&images);
-        if self.measure.is_empty() {
-            input.bands = std::iter::once(input.detected.clone()).chain(others).collect();
-        }
-        // Nothing of its range or unit is left of it.
-        (input.detected.image.pixels, input.detected.image.bitpix) = (pixels, -32);
     }
 }
 

@@ -8,7 +8,7 @@ mod positions;
 mod start;
 mod weight;
 
-pub use combine::Combine;
+pub use combine::{Combine, same_field};
 pub use error::{MapError, Reason};
 pub use labels::LabelMap;
 pub use maps::{Given, Maps};
@@ -43,6 +43,8 @@ pub struct Input {
     pub detected: Observed,
     /// The images of the same pixels in which the sources are measured, where those are others.
     pub bands: Vec<Observed>,
+    /// The pixels of further images, of the same size, that one front goes by together with the segmented one.
+    pub with: Vec<Vec<f32>>,
     /// Where the front starts, where a map says it.
     pub start: Option<StartMap>,
     /// A label map that takes the place of the segmentation.
@@ -85,6 +87,7 @@ impl Input {
         Input {
             detected,
             bands: Vec::new(),
+            with: Vec::new(),
             start: None,
             segmentation: None,
             positions: None,

@@ -28,6 +28,7 @@ use aperture::{Sum, largest_kron};
 use growth::Growth;
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::sources::flags;
+use skyfront_core::sources::measure::{Levels, Sums};
 use std::f64::consts::PI;
 
 /// Sources that a thread takes at a time.
@@ -205,11 +206,11 @@ impl Measured {
 /// Measures all sources; labels are those of `scene`, 1 for the first source. Cost: one pass over
 /// the image, and the pixels of every aperture.
 pub fn measure(scene: &Scene<'_>, sources: &[Source], extras: &Extras<'_>, sky: Option<&Sky>) -> Vec<Measured> {
-    let sums = shape::sums(scene, sources, extras.threads);
+    let sums = shape::sums(scene, sources.len(), extras.threads);
     let task = Task { scene, extras, sky };
     in_order(sources.len(), PIECE, extras.threads, |index, growth: &mut Growth| {
         let sums = &sums[index];
-        task.one(&sources[index], sums, sums.shape(&sources[index]), growth)
+        task.one(&sources[index], sums, Shape::of(sums), growth)
     })
 }
 
@@ -221,7 +222,7 @@ pub fn measure_at(scene: &Scene<'_>, places: &[(f64, f64)], extras: &Extras<'_>,
     in_order(places.len(), PIECE, extras.threads, |index, growth: &mut Growth| {
         let (x, y) = places[index];
         let source = Source::empty(scene.label_at(x, y));
-        let measured = task.one(&source, &shape::Sums::default(), Shape::at(x, y), growth);
+        let measured = task.one(&source, &Sums::default(), Shape::at(x, y), growth);
         Measured { flux: Flux::NONE, flags: measured.flags & !flags::NO_FLUX, ..measured }
     })
 }
@@ -242,10 +243,11 @@ struct Kron {
 }
 
 impl Task<'_> {
-    fn one(&self, source: &Source, sums: &shape::Sums, shape: Shape, growth: &mut Growth) -> Measured {
+    fn one(&self, source: &Source, sums: &Sums, shape: Shape, growth: &mut Growth) -> Measured {
         let Task { scene, extras, sky } = self;
         let label = source.label;
-        let (background, noise, threshold) = sums.levels();
+        let Levels { background, noise, threshold } = sums.levels();
+        let flux = sums.flux(scene.gain());
         let wanted = extras.wanted;
         let kron = if wanted.kron || wanted.windowed { self.kron(&shape, source, growth) } else { Kron::NONE };
         let mut flags = sums.flags() | extras.flags | kron.flags;
@@ -266,8 +268,8 @@ impl Task<'_> {
         Measured {
             source: *source,
             shape,
-            values: sums.values(source),
-            flux: sums.flux(scene),
+            values: Values::of(sums, source),
+            flux: Flux { value: flux.value, error: flux.error },
             background,
             noise,
             threshold,
@@ -278,13 +280,13 @@ impl Task<'_> {
             windowed,
             local,
             petrosian,
-            local_flux: sums.flux_beside(scene, &local),
+            local_flux: shape::flux_beside(sums, scene, &local),
             position: sky.and_then(|sky| sky.position(shape.x, shape.y)),
             own_position: sky.and_then(|sky| sky.own_position(shape.x, shape.y)),
             patch: sky.and_then(|sky| sky.patch(shape.x, shape.y)),
             windowed_position: sky.filter(|_| wanted.windowed).and_then(|sky| sky.position(windowed.x, windowed.y)),
             position_angle: sky.and_then(|sky| sky.position_angle(shape.x, shape.y, shape.theta)),
-            flags: flags & !scene::OUTLINE,
+            flags,
             bands: Vec::new(),
         }
     }

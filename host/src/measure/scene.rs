@@ -2,6 +2,7 @@
 
 use super::{Extras, Flux, Level, estimate};
 use skyfront_core::sources::flags;
+use skyfront_core::sources::measure::variance_with;
 
 /// Not a flag of a source: the pixel lies along its outline.
 pub(super) const OUTLINE: u32 = 1 << 31;
@@ -183,9 +184,14 @@ impl<'a> Scene<'a> {
         f64::from(self.pixels[index]) >= self.saturation
     }
 
+    /// Electrons in a unit of the image, where they are known.
+    pub(super) fn gain(&self) -> Option<f64> {
+        self.gain
+    }
+
     /// Variance of a pixel: that of the background, and of the light in it.
     pub(super) fn variance_with(&self, variance: f64, value: f64) -> f64 {
-        variance + self.gain.map_or(0.0, |gain| value.max(0.0) / gain)
+        variance_with(self.gain, variance, value)
     }
 
     /// A flux with its error, from its sum and the sum of the background's variances.

@@ -1,19 +1,22 @@
 //! Active contours without edges (T. F. Chan, L. A. Vese 2001, DOI 10.1109/83.902291), with H(v) = (1 + v) / 2 for v in
-//! \[-1, 1\], v = u counted in pixels.
+//! \[-1, 1\], v = u counted in pixels; and of vector-valued images (T. F. Chan, B. Y. Sandberg, L. A. Vese 2000, DOI
+//! 10.1006/jvci.1999.0442), whose bands here have the same lambdas.
 
 use super::initial::half_side;
 use super::plane::Around;
 use super::{Parameters, Plane};
 
-/// One semi-implicit time step; `image` is what the regions are told apart by.
-pub(super) fn step(p: &Parameters, image: &Plane, u: &Plane) -> Plane {
+/// One semi-implicit time step; `bands` are what the regions are told apart by, one image or several of one size.
+pub fn step(p: &Parameters, bands: &[Plane], u: &Plane) -> Plane {
     let half = half_side(u);
     let v = u.map(|u| u * half);
-    let (c1, c2) = means(image, &v);
+    let means: Vec<(f64, f64)> = bands.iter().map(|band| means(band, &v)).collect();
     Plane::from_fn(v.width(), v.height(), |i, j| {
-        let level = image.at(i, j);
-        let force = -p.lambda.0 * (level - c1).powi(2) + p.lambda.1 * (level - c2).powi(2);
-        pull(p, &v.around(i, j), force) / half
+        let all = bands.iter().zip(&means).map(|(band, (c1, c2))| {
+            let level = band.at(i, j);
+            -p.lambda.0 * (level - c1).powi(2) + p.lambda.1 * (level - c2).powi(2)
+        });
+        pull(p, &v.around(i, j), all.sum::<f64>() / bands.len() as f64) / half
     })
 }
 

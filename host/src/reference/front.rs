@@ -38,7 +38,7 @@ pub fn step(p: &Parameters, g: &Plane, v: &Plane) -> Plane {
         Scheme::FdCurvature => fd_curvature::step(p, g, v),
         Scheme::Sl => sl::step(p, g, v),
         Scheme::SlCurvature => sl_curvature::step(p, g, v),
-        Scheme::ChanVese => chan_vese::step(p, g, v),
+        Scheme::ChanVese => chan_vese::step(p, std::slice::from_ref(g), v),
         Scheme::Multiphase => v.clone(),
     }
 }
@@ -51,11 +51,20 @@ pub fn evolve(p: &Parameters, g: &Plane, u0: &Plane) -> Evolution {
     if p.scheme == Scheme::Multiphase {
         return parted(p, g);
     }
+    moved(p, u0, |u| step(p, g, u))
+}
+
+/// Steps of one front in several bands, from `u0` until the stopping rule is met or T_max is reached.
+pub fn evolve_in(p: &Parameters, bands: &[Plane], u0: &Plane) -> Evolution {
+    moved(p, u0, |u| chan_vese::step(p, bands, u))
+}
+
+fn moved(p: &Parameters, u0: &Plane, step: impl Fn(&Plane) -> Plane) -> Evolution {
     let mut u = u0.clone();
     let mut changes = Vec::new();
     let mut ended = Ended::TimeLimit;
     for _ in 0..p.max_steps() {
-        let next = step(p, g, &u);
+        let next = step(&u);
         let (change, crossed) = change(p, &u, &next);
         u = next;
         changes.push(change);

@@ -19,7 +19,7 @@
 //! 9. Every explicit step is held to its CFL bound.
 
 mod arrival;
-mod chan_vese;
+pub mod chan_vese;
 mod edge;
 mod error;
 mod fd;
@@ -40,12 +40,13 @@ mod settle;
 mod sl;
 mod sl_curvature;
 mod threshold;
+mod vector;
 
 pub use arrival::{arrivals, soonest};
 pub use edge::{detector, gradient, gradient_range};
 pub use error::ReferenceError;
 pub use filter::{Diffusivity, Filter, FilterSettings, Filtering, filter_pass, scale_noise};
-pub use front::{Ended, Evolution, at_rest, change, evolve, step};
+pub use front::{Ended, Evolution, at_rest, change, evolve, evolve_in, step};
 pub use initial::{framed, half_side, initial, near, saturated};
 pub use normalize::{normalize, range};
 pub use otsu::otsu;
@@ -55,6 +56,7 @@ pub use rescale::{r1, r2, r3, rescale, threshold};
 pub use segments::{centroids, is_beyond_reach, label, sources};
 pub use settle::settle;
 pub use threshold::{kapur, noise, rosin};
+pub use vector::{Vector, run_in};
 
 /// Everything the algorithm computed on its way, row-major with row 0 first.
 #[derive(Clone, Debug)]
@@ -109,32 +111,9 @@ pub fn run(parameters: &Parameters, pixels: &[f64], width: usize, height: usize)
 /// Those of [`run`].
 pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<Stages, ReferenceError> {
     parameters.check()?;
-    let (width, height) = (u0.width(), u0.height());
-    if width < initial::LEAST_SIDE || height < initial::LEAST_SIDE || pixels.len() != width * height {
-        return Err(ReferenceError::Size { pixels: pixels.len(), width, height });
-    }
-    let p = parameters;
-    let defined: Vec<bool> = pixels.iter().map(|v| v.is_finite()).collect();
-    let range = range(p.normalize, pixels)?;
-    let normalised = normalize(range, pixels, width, height);
-    let threshold = |image: &Plane| threshold(p.rescale, p.tau, image, &defined);
-    let (tau, rescaled, filtered);
-    match p.order {
-        Order::RescaleFirst => {
-            tau = threshold(&normalised);
-            rescaled = rescale(p.rescale, tau, &normalised);
-            filtered = filter::filter(p.filter, p.dx, &rescaled);
-        }
-        Order::FilterFirst => {
-            filtered = filter::filter(p.filter, p.dx, &normalised);
-            tau = threshold(&filtered);
-            rescaled = rescale(p.rescale, tau, &filtered);
-        }
-    }
-    let last = match p.order {
-        Order::RescaleFirst => &filtered,
-        Order::FilterFirst => &rescaled,
-    };
+    let (p, width) = (parameters, u0.width());
+    let prepared = Prepared::of(p, pixels, width, u0.height())?;
+    let last = prepared.last(p.order);
     let slope = gradient(last, p.dx);
     let (m, big_m) = gradient_range(&slope);
     let g = match p.scheme {
@@ -144,10 +123,11 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
     let u0 = match p.start_margin {
         None => u0,
         Some(margin) => {
-            let level = tau.unwrap_or_else(|| otsu(last.values().iter().copied()));
+            let level = prepared.tau.unwrap_or_else(|| otsu(last.values().iter().copied()));
             near(p, last, level, margin)
         }
     };
+    let Prepared { range, defined, normalised, tau, rescaled, filtered } = prepared;
     let Evolution { u, steps, t, ended, changes } = evolve(p, &g, &u0);
     let mask: Vec<bool> = u.values().iter().zip(&defined).map(|(&v, &seen)| seen && v > 0.0).collect();
     let (labels, sources) = sources(p, &mask, width);
@@ -170,4 +150,48 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
         ended,
         changes,
     })
+}
+
+/// Steps 1 to 3 of an image.
+struct Prepared {
+    range: (f64, f64),
+    defined: Vec<bool>,
+    normalised: Plane,
+    tau: Option<f64>,
+    rescaled: Plane,
+    filtered: Plane,
+}
+
+impl Prepared {
+    fn of(p: &Parameters, pixels: &[f64], width: usize, height: usize) -> Result<Prepared, ReferenceError> {
+        if width < initial::LEAST_SIDE || height < initial::LEAST_SIDE || pixels.len() != width * height {
+            return Err(ReferenceError::Size { pixels: pixels.len(), width, height });
+        }
+        let defined: Vec<bool> = pixels.iter().map(|v| v.is_finite()).collect();
+        let range = range(p.normalize, pixels)?;
+        let normalised = normalize(range, pixels, width, height);
+        let threshold = |image: &Plane| threshold(p.rescale, p.tau, image, &defined);
+        let (tau, rescaled, filtered);
+        match p.order {
+            Order::RescaleFirst => {
+                tau = threshold(&normalised);
+                rescaled = rescale(p.rescale, tau, &normalised);
+                filtered = filter::filter(p.filter, p.dx, &rescaled);
+            }
+            Order::FilterFirst => {
+                filtered = filter::filter(p.filter, p.dx, &normalised);
+                tau = threshold(&filtered);
+                rescaled = rescale(p.rescale, tau, &filtered);
+            }
+        }
+        Ok(Prepared { range, defined, normalised, tau, rescaled, filtered })
+    }
+
+    /// What the front sees.
+    fn last(&self, order: Order) -> &Plane {
+        match order {
+            Order::RescaleFirst => &self.filtered,
+            Order::FilterFirst => &self.rescaled,
+        }
+    }
 }

@@ -2,10 +2,12 @@
 
 use skyfront_core::arithmetic::Fixed14;
 use skyfront_core::config::Config;
+use skyfront_core::run::extract::catalogue::Measuring;
 use skyfront_core::run::extract::{Extractor, Found, Progress, extract};
 use skyfront_core::run::workspace::{self, Workspace};
 use skyfront_core::sky::view::Known;
 use skyfront_core::error::Error;
+use skyfront_core::sources::measure::Sums;
 use skyfront_core::sky::{self, Mesh, Seen, Sky, Survey, Values};
 use skyfront_core::plane::raster::Raster;
 use skyfront_core::plane::sort::Keys;
@@ -54,6 +56,13 @@ fn of_counts(config: &Config, frame: Raster<'_, AtomicU16>, known: Known<'_>, wo
             return Ok(found);
         }
     }
+}
+
+#[unsafe(export_name = "extractor_measured")]
+fn measured(run: &mut Extractor<'_, '_, Fixed14, AtomicU16>, rows: usize, sums: &mut [Sums]) -> Result<bool, Error> {
+    let done = run.measure(&mut Measuring::default(), rows, sums)?;
+    sums.iter_mut().for_each(|sums| sums.mark(sums.flags()));
+    Ok(done && sums.first().is_none_or(|sums| sums.centroid().x < sums.flux(Some(2.0)).error + sums.levels().noise))
 }
 
 #[unsafe(export_name = "extractor_saved")]

@@ -16,9 +16,11 @@ use skyfront_core::sources::catalog::{Ellipse, Source, room_for};
 use skyfront_core::config::Config;
 use skyfront_core::arithmetic::digest;
 use skyfront_core::error::Error;
-use skyfront_core::run::frame::{Frame, SliceFrame};
+use skyfront_core::front::bands::Bands;
+use skyfront_core::run::frame::{BandFrame, Frame, SliceFrame};
 use skyfront_core::run::memory::{self, Memory};
 use skyfront_core::run::outcome::{Outcome, Progress};
+use skyfront_core::run::plan::Plan;
 use skyfront_core::front::scheme::{Evolve, Step};
 use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::simulate::{Conditions, Kind, Sky};
@@ -136,6 +138,27 @@ fn plan(config: &Config, width: usize, height: usize, cell: usize, wide: bool, s
     (budget::total_rows(config, height), bytes, room, snapshot::bytes(width, height, cell, window, sources))
 }
 
+#[unsafe(export_name = "of_bands")]
+fn of_bands<'m>(
+    config: &Config,
+    size: (usize, usize),
+    memory: Memory<'m, F32>,
+    bands: Bands<'m, F32>,
+) -> Result<Segmenter<'m, F32>, Error> {
+    Segmenter::of_bands(config, size.0, size.1, memory, bands)
+}
+
+#[unsafe(export_name = "band_row")]
+fn band_row(bands: &[&[f32]], y: usize, row: &mut [f32]) {
+    let Ok(()) = BandFrame(bands).row(y, row);
+}
+
+#[unsafe(export_name = "band_plan")]
+fn band_plan(config: &Config, bands: usize, width: usize, height: usize, cell: usize) -> (u64, usize, usize) {
+    let bytes = memory::band_bytes(width, height, cell, bands);
+    (Plan::of_bands(config, bands).total_rows(height), bytes, snapshot::band_bytes(width, height, cell, bands))
+}
+
 #[unsafe(export_name = "validate")]
 fn validate(config: &Config) -> Result<(), Error> {
     config.validate::<F32>()?;
@@ -155,7 +178,7 @@ fn room() -> usize {
 
 #[unsafe(export_name = "simulate")]
 fn simulate(kind: Kind, conditions: Conditions, seed: u32, size: (usize, usize), y: usize, row: &mut [f32]) -> u32 {
-    let mut sky = Sky::new(kind, seed, size.0, size.1).under(conditions);
+    let Ok(mut sky) = Sky::new(kind, seed, size.0, size.1).under(conditions) else { return 0 };
     let Ok(()) = sky.row(y, row);
     sky.objects()
 }

@@ -126,7 +126,7 @@ mod tests {
 
     /// What is wrong with a machine whose emulator is a command of this one.
     fn wrong(emulator: &'static [&'static str], image: &str) -> String {
-        let machine = Machine { name: "none", target: "none", emulator };
+        let machine = Machine { name: "none", target: "none", emulator, has_root: false };
         format!("{:#}", collect(&machine, Path::new(image), Duration::from_millis(500)).unwrap_err())
     }
 
@@ -137,7 +137,7 @@ mod tests {
         assert!(wrong(&["no-such-emulator"], here).starts_with("cannot start no-such-emulator"));
         assert!(wrong(&["sh", "-c", "echo digest a 0000002a; exec sleep 60"], here).starts_with("hung"));
         assert!(wrong(&["sh", "-c", "echo digest a 0000002a"], here).starts_with("incomplete"));
-        let unknown = Machine { name: "none", target: "none", emulator: &["true"] };
+        let unknown = Machine { name: "none", target: "none", emulator: &["true"], has_root: false };
         assert!(run(&unknown, "digests", Duration::ZERO).unwrap_err().to_string().contains("digests on none"));
     }
 

@@ -4,16 +4,19 @@
 //!
 //! - `lint`: clippy over the firmware, which is no part of the workspace;
 //! - `host`: the golden digests on this machine; with `--store`, writes them;
+//! - `roots`: the square roots of every processor, of one more with the F extension, and whose they are;
 //! - `digests`: the golden digests on every processor, and those of the examples in C and C++ on the Cortex-M7;
 //! - `paper`: the paper's size on the Cortex-M7;
 //! - `flight`: the example for flight computers;
-//! - `track`: what twenty windows of a star tracker take;
-//! - `resources`: flash, stack and instructions against the stored table; with `--store`, writes it.
+//! - `track`: what twenty windows of a star tracker take, and no double precision on the Cortex-M7;
+//! - `polls`: what the default takes on a star camera's frame on the Cortex-M7, and the costliest poll of every stage;
+//! - `resources`: flash, stack and instructions against the stored table, and no double precision on the Cortex-M7; with `--store`, writes it.
 //!
 //! Without a part: all. Exit code 0 when all is well. A machine that is missing, hangs, or leaves
 //! something out is a failure that says which.
 
 mod build;
+mod doubles;
 mod elf;
 mod emulator;
 mod foreign;
@@ -24,11 +27,13 @@ mod tables;
 
 use anyhow::{Context, Result, bail};
 use emulator::Run;
-use machines::{MACHINES, MEASURED, Machine};
+use machines::{MACHINES, MEASURED, Machine, RV32IMAFC};
 use report::Report;
+use skyfront_core::arithmetic::machine::Plain;
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::paper;
+use skyfront_workload::polls;
 use skyfront_workload::sources::Room;
 use skyfront_workload::track;
 use std::collections::BTreeMap;
@@ -36,13 +41,17 @@ use std::path::PathBuf;
 use std::thread::ScopedJoinHandle;
 use std::time::Duration;
 
-const PARTS: [&str; 7] = ["host", "digests", "paper", "flight", "track", "resources", "lint"];
+const PARTS: [&str; 9] = ["host", "roots", "polls", "digests", "paper", "flight", "track", "resources", "lint"];
 
 /// What the names of the digests begin with that only the examples in C and C++ print.
 const FOREIGN: &str = "c/";
 
 /// Twenty windows of 21 x 21 in single precision on the Cortex-M7: the most instructions, and bytes of stack.
 const TRACK: (u64, u64) = (2_000_000, 4096);
+
+/// The default on a star camera's frame on the Cortex-M7: the most instructions per pixel and per poll of one row, and
+/// bytes of stack.
+const POLLS: (u64, u64, u64) = (6_910, 2_120_000, 11_600);
 
 /// How long a program may take: several times what it takes on two busy cores.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -51,7 +60,7 @@ fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let (options, names): (Vec<&str>, Vec<&str>) = words.iter().map(String::as_str).partition(|w| w.starts_with("--"));
     if options.iter().any(|&o| o != "--store") || names.iter().any(|n| !PARTS.contains(n)) {
-        bail!("usage: skyfront-on-target [host|digests|paper|flight|track|resources|lint] [--store]");
+        bail!("usage: skyfront-on-target [host|roots|polls|digests|paper|flight|track|resources|lint] [--store]");
     }
     let wanted = |name: &str| names.is_empty() || names.contains(&name);
     let store = options.contains(&"--store");
@@ -60,6 +69,9 @@ fn main() -> Result<()> {
         problems += host(store)?;
     }
     build(&wanted)?;
+    if wanted("roots") {
+        problems += roots();
+    }
     if wanted("digests") {
         let (foreign, own) = golden()?.into_iter().partition(|(name, _)| name.starts_with(FOREIGN));
         problems += std::thread::scope(|scope| {
@@ -76,7 +88,11 @@ fn main() -> Result<()> {
         problems += flight();
     }
     if wanted("track") {
+        doubles::none_in(&build::image(MACHINES[0].target, "track"))?;
         problems += windows();
+    }
+    if wanted("polls") {
+        problems += polls();
     }
     if wanted("resources") {
         problems += needs(store)?;
@@ -95,7 +111,9 @@ fn build(wanted: &impl Fn(&str) -> bool) -> Result<()> {
     let everywhere = of(&[("digests", &["digests"]), ("flight", &["flight"])]);
     let measured = of(&[("paper", &["paper_size"]), ("track", &["track"]), ("resources", &resources::programs())]);
     build::programs(&everywhere, &MACHINES)?;
-    build::programs(&measured, &MEASURED)
+    build::programs(&measured, &MEASURED)?;
+    build::programs(&of(&[("polls", &["polls"])]), &MACHINES[..1])?;
+    build::programs(&of(&[("roots", &["roots"])]), &with_roots())
 }
 
 /// What a thread came to.
@@ -193,6 +211,28 @@ fn windows() -> usize {
     problems
 }
 
+/// Counts the polls of the default on a star camera's frame, and holds the Cortex-M7 to its limits.
+fn polls() -> usize {
+    let (machine, report) = (&MACHINES[0], emulator::run(&MACHINES[0], "polls", LIMIT));
+    let all = report.as_ref().map(|report| report.resources.clone()).unwrap_or_default();
+    let value = |name: &str| all.get(name).map_or(0, |&(value, _)| value);
+    let worst = all.iter().filter(|(name, _)| name.ends_with("/worst")).map(|(_, &(value, _))| value).max();
+    for (name, (instructions, _)) in &all {
+        if let Some(stage) = name.strip_suffix("/worst") {
+            let mean = value(&format!("{stage}/mean"));
+            println!("a poll of one row, {stage} on {}: {instructions} instructions, mean {mean}", machine.name);
+        }
+    }
+    let [pixel, stack, sources] = ["pixel", "stack", "sources"].map(value);
+    println!("the default on {}: {pixel} instructions per pixel, {stack} bytes of stack", machine.name);
+    let is_within = pixel <= POLLS.0 && worst.is_some_and(|worst| worst <= POLLS.1) && stack <= POLLS.2;
+    if sources == polls::STARS as u64 && is_within {
+        return 0;
+    }
+    println!("  {sources} sources of {}, or more than {POLLS:?}: {:?}", polls::STARS, report.err());
+    1
+}
+
 /// The digests that this machine computes.
 fn here() -> Result<Report> {
     let mut report = Report::default();
@@ -209,6 +249,27 @@ fn here() -> Result<Report> {
         bail!("these runs fail on this machine: {failed:?}");
     }
     Ok(report)
+}
+
+/// All machines whose square roots are compared.
+fn with_roots() -> Vec<Machine> {
+    MACHINES.iter().copied().chain([RV32IMAFC]).collect()
+}
+
+/// Compares square roots with those of software here, and holds every machine to its own instruction.
+fn roots() -> usize {
+    let (machines, expected) = (with_roots(), BTreeMap::from([("roots".to_owned(), bits::roots::<Plain>())]));
+    let mut problems = 0;
+    for (machine, Run { report, .. }) in machines.iter().zip(emulator::run_all(&machines, "roots", LIMIT)) {
+        let hardware =
+            report.as_ref().ok().and_then(|report| report.resources.get("hardware")).map(|&(value, _)| value);
+        problems += differing(&format!("square roots on {}", machine.name), report, &expected);
+        if hardware != Some(u64::from(machine.has_root)) {
+            println!("  hardware: {hardware:?}, and not {}", machine.has_root);
+            problems += 1;
+        }
+    }
+    problems
 }
 
 /// The paper's size on this machine.

@@ -7,7 +7,7 @@
 use crate::machines::{MEASURED, Machine};
 use crate::report::Report;
 use crate::tables;
-use crate::{build, elf, emulator};
+use crate::{build, doubles, elf, emulator};
 use anyhow::{Context, Result, bail};
 use skyfront_workload::cost;
 use std::collections::BTreeMap;
@@ -43,7 +43,7 @@ pub type Table = BTreeMap<String, f64>;
 /// Measures every program on every machine of the table.
 ///
 /// # Errors
-/// When an image cannot be read or run, or uses more stack than its call graph has.
+/// When an image cannot be read or run, uses more stack than its call graph has, or has double precision in it.
 pub fn measure() -> Result<Table> {
     let tables = std::thread::scope(|scope| {
         let tables: Vec<_> = MEASURED.iter().map(|machine| scope.spawn(move || of_machine(machine))).collect();
@@ -68,7 +68,11 @@ fn of_machine(machine: &Machine) -> Result<Table> {
 }
 
 fn sizes(machine: &Machine, program: &str, title: &str, table: &mut Table) -> Result<()> {
-    let needs = elf::needs(&build::image(machine.target, program))?;
+    let image = build::image(machine.target, program);
+    let needs = elf::needs(&image)?;
+    if machine.name == MEASURED[0].name {
+        doubles::none_in(&image)?;
+    }
     let report = emulator::run(machine, program, LIMIT)?;
     let painted = painted(&report)?;
     if needs.stack.is_some_and(|stack| stack < painted) {

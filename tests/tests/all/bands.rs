@@ -1,8 +1,10 @@
 //! Sources that are found in several bands together.
 
+use skyfront::pipeline::{Drive, segment};
 use skyfront::read::image;
 use skyfront::write::Entry;
 use skyfront::write::fits::Writer;
+use skyfront_core::config::Config;
 use skyfront_tests::command::{Folder, messages, skyfront};
 use std::fs;
 use std::path::Path;
@@ -110,6 +112,42 @@ fn sources_are_measured_in_every_band() {
     assert!(not_in_red.abs() < 0.15 * full && not_in_blue.abs() < 0.15 * full, "{not_in_red} {not_in_blue}");
     let header = image(folder.file("out/segmentation.fits").as_ref(), None).expect("a map").header;
     assert_eq!(header.text("SFCOMBIN").as_deref(), Some("chi2"));
+}
+
+/// One front that goes by each band, the paper's steps before it in each.
+#[test]
+fn a_front_that_goes_by_each_band_finds_what_either_shows() {
+    let folder = with_bands("bands-of-a-front");
+    let preset = ["--preset", "chan-vese"];
+    assert_eq!(labels(&folder, "blue.fits", &preset), Ok([true, false, false]));
+    assert_eq!(labels(&folder, "red.fits", &preset), Ok([false, true, false]));
+    let both = ["--preset", "chan-vese", "--with", "red.fits", "--combine", "vector"];
+    assert_eq!(labels(&folder, "blue.fits", &both), Ok([true, true, false]));
+    let read = |name: &str| image(folder.file(name).as_ref(), None).expect("a plane");
+    let map = read("out/segmentation.fits");
+    assert_eq!(map.header.text("SFCOMBIN").as_deref(), Some("vector"));
+    // The same as by the library.
+    let [blue, red] = ["blue.fits", "red.fits"].map(|name| read(name).pixels);
+    let mut drive = Drive { bands: &[&red], ..Drive::default() };
+    let run = segment(&Config::CHAN_VESE, &blue, SIDE, SIDE, &mut drive).expect("bands");
+    assert_eq!(map.pixels, run.labels.iter().map(|&label| label as f32).collect::<Vec<_>>());
+    let csv = fs::read_to_string(folder.file("out/catalog.csv")).expect("a catalogue");
+    assert!(csv.lines().any(|line| line.starts_with("label") && line.contains(",m2_flux")), "measured in each");
+    let vector =
+        |more: &[&str]| labels(&folder, "blue.fits", &[&["--with", "red.fits", "--combine", "vector"], more].concat());
+    for (options, expected) in [
+        (&[][..], "--combine vector needs --scheme chan-vese"),
+        (&["--preset", "paper-f160"], "--combine vector needs --scheme chan-vese"),
+        (&["--scheme", "chan-vese"], "--combine vector needs --sky none"),
+        (&["--preset", "chan-vese", "--arithmetic", "q11"], "arithmetic q11: the force of several bands needs"),
+    ] {
+        let (code, message) = vector(options).expect_err("no front goes by both");
+        assert!(code == Some(2) && message.contains(expected), "{options:?}: {message}");
+    }
+    let many: Vec<&str> = [&["--with", "red.fits"][..]; 8].concat();
+    let (code, message) =
+        labels(&folder, "blue.fits", &[&many[..], &["--combine", "vector"], &preset].concat()).expect_err("nine bands");
+    assert!(code == Some(2) && message.contains("bands is 9; must be at most 8"), "{message}");
 }
 
 #[test]

@@ -63,6 +63,29 @@ fn coarse() -> Vec<f32> {
     light.into_iter().map(f32::round).collect()
 }
 
+/// Sharp stars, barely found or not, in the two outermost rows and columns.
+fn beside_the_border() -> Vec<f32> {
+    let mut light = gaussian(14, WIDTH * HEIGHT);
+    for n in 0..13 {
+        let (x, y, off) = (10.3 * n as f32 + 6.0, 8.7 * n as f32 + 7.0, 0.3 * (n % 4) as f32);
+        for place in [(x, off), (x, (HEIGHT - 1) as f32 - off), (off, y), ((WIDTH - 1) as f32 - off, y)] {
+            add_star(&mut light, WIDTH, place, 0.7, 4.5 + 0.35 * n as f32);
+        }
+    }
+    light
+}
+
+/// So many stars that no cell has enough sky, on noise of single pixels or of which neighbours share a part.
+fn crowd(noise: &[f32]) -> Vec<f32> {
+    let mut light: Vec<f32> = noise.iter().map(|noise| 200.0 + 3.0 * noise).collect();
+    for star in gaussian(15, 3 * 1500).chunks_exact(3) {
+        let place = |value: f32, length: usize| (0.5 + 0.29 * value).rem_euclid(1.0) * (length - 1) as f32;
+        let place = (place(star[0], WIDTH), place(star[1], HEIGHT));
+        add_star(&mut light, WIDTH, place, 1.3, 20.0 * (1.2 * star[2]).exp());
+    }
+    light
+}
+
 /// Half of the frame filled with zeros.
 fn filled() -> Vec<f32> {
     let seen = |(at, pixel): (usize, f32)| if at % WIDTH < WIDTH / 2 { 0.0 } else { 500.0 + pixel };
@@ -108,6 +131,7 @@ fn every_choice_is_the_reference_s() {
         counts(),
         cut_off(),
         coarse(),
+        beside_the_border(),
         filled(),
     ];
     let default = Config::NOISE_AWARE;
@@ -124,6 +148,15 @@ fn every_choice_is_the_reference_s() {
             let wrong = differing(config, &settings(config), pixels, WIDTH);
             assert_eq!(wrong, [""; 0], "sky {number}, {config:?}");
         }
+    }
+}
+
+/// The noise of a crowd is that of its darkest pixels, by their differences and by their tail.
+#[test]
+fn a_crowd_has_the_noise_of_the_reference() {
+    let config = Config::NOISE_AWARE;
+    for noise in [gaussian(16, WIDTH * HEIGHT), correlated(17, WIDTH, 0.6)[..WIDTH * HEIGHT].to_vec()] {
+        assert_eq!(differing(&config, &settings(&config), &crowd(&noise), WIDTH), [""; 0]);
     }
 }
 

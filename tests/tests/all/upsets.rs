@@ -7,10 +7,10 @@
 //!
 //! 20 000 flips by default; a million and more where the environment has SKYFRONT_LONG.
 
-use skyfront::planes::Room;
+use skyfront::planes::{BandRoom, Room};
 use skyfront_core::arithmetic::digest::Digest;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
-use skyfront_core::config::Config;
+use skyfront_core::config::{Config, Rescale};
 use skyfront_core::error::Error;
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::outcome::Progress;
@@ -99,7 +99,12 @@ fn upset(snapshot: &mut [u8], draw: &mut Draw, tally: &mut Tally) {
 /// One run that is upset at random, until it ends.
 fn run<A: Arithmetic>(config: &Config, pixels: &[f32], draw: &mut Draw, tally: &mut Tally) {
     let mut room = Room::<A>::new(config, WIDTH, HEIGHT, SOURCES);
-    let mut segmenter = Segmenter::<A>::new(config, WIDTH, HEIGHT, room.memory()).expect("a good configuration");
+    let mut more = BandRoom::<A>::new(pixels.len() / (WIDTH * HEIGHT), WIDTH * HEIGHT);
+    let segmenter = match pixels.len() / (WIDTH * HEIGHT) {
+        1 => Segmenter::<A>::new(config, WIDTH, HEIGHT, room.memory()),
+        _ => Segmenter::of_bands(config, WIDTH, HEIGHT, room.memory(), more.bands()),
+    };
+    let mut segmenter = segmenter.expect("a good configuration");
     let (_, bound) = segmenter.work();
     // An upset may set the run back; after the last one it must end within the bound.
     let mut upsets = 1 + draw.below(12);
@@ -148,10 +153,14 @@ fn flipped_bits_never_panic_hang_or_overrun() {
     let mut tally = Tally::default();
     let mut pixels = sky(Kind::Stars, 2, WIDTH, HEIGHT);
     pixels[50] = f32::NAN;
+    let bands = [pixels.clone(), sky(Kind::Bright, 3, WIDTH, HEIGHT)].concat();
+    let otsu = Config { rescale: Rescale::None, ..Config::CHAN_VESE };
     while tally.flips < wanted {
         every_kind::<F32>().iter().for_each(|config| run::<F32>(config, &pixels, &mut draw, &mut tally));
         every_kind::<Q24>().iter().for_each(|config| run::<Q24>(config, &pixels, &mut draw, &mut tally));
         every_kind::<Q11>().iter().for_each(|config| run::<Q11>(config, &pixels, &mut draw, &mut tally));
+        run::<F32>(&otsu, &bands, &mut draw, &mut tally);
+        run::<Q24>(&Config::CHAN_VESE, &bands, &mut draw, &mut tally);
     }
     println!("{tally:?}");
     // Every way out was taken, and every stage that a poll can be called in was upset.

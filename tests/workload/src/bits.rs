@@ -1,16 +1,20 @@
 //! The digests that must be the same on every processor.
 
-use crate::case::{self, HEIGHT, WIDTH};
-use crate::run::{self, run};
-use skyfront_core::arithmetic::Arithmetic;
+use crate::case::{self, HEIGHT, Scene, WIDTH};
+use crate::run::{self, to_the_end};
+use core::convert::Infallible;
 use skyfront_core::arithmetic::digest::{self, Digest};
+use skyfront_core::arithmetic::machine::Machine;
+use skyfront_core::arithmetic::{Arithmetic, Cell};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::front::bands::{Band, Bands};
 use skyfront_core::front::scheme::AnyScheme;
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::memory::{Memory, flags_len, ring_cells};
 use skyfront_core::run::outcome::{Outcome, StopReason};
 use skyfront_core::run::plan::{Plane, leaves};
+use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::run::stage::Stage;
 use skyfront_core::sources::catalog::Source;
 
@@ -32,6 +36,21 @@ pub fn powers() -> u32 {
     digest.value()
 }
 
+/// CRC-32 of square roots as a machine takes them, of every exponent and of mantissas that end anywhere.
+#[must_use]
+pub fn roots<M: Machine>() -> u32 {
+    let mut digest = Digest::default();
+    let mut state = 1u32;
+    for exponent in 0..255u32 {
+        for _ in 0..64 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let root = M::sqrt(f32::from_bits(exponent << 23 | state >> 9));
+            digest.bytes(&root.to_le_bytes());
+        }
+    }
+    digest.value()
+}
+
 /// Runs every case in an arithmetic and gives `tell` each digest with its name.
 pub fn all<A: Arithmetic>(planes: &mut Planes<A>, mut tell: impl FnMut(&[&str], u32)) {
     for case in case::all() {
@@ -41,6 +60,37 @@ pub fn all<A: Arithmetic>(planes: &mut Planes<A>, mut tell: impl FnMut(&[&str], 
             tell(&[A::NAME, preset, scheme, what], crc);
         });
     }
+    bands(planes.memory(), |what, crc| tell(&[A::NAME, "bands", "chan-vese", what], crc));
+}
+
+/// Columns and rows of a frame of two bands: its planes lie on the stack.
+const OF_BANDS: (usize, usize) = (20, 15);
+const BAND: usize = OF_BANDS.0 * OF_BANDS.1;
+
+/// The rows of the one after those of the other.
+struct Two(Scene, Scene);
+
+impl Frame for Two {
+    type Error = Infallible;
+
+    fn row(&mut self, y: usize, out: &mut [f32]) -> Result<(), Infallible> {
+        match y.checked_sub(OF_BANDS.1) {
+            None => self.0.row(y, out),
+            Some(y) => self.1.row(y, out),
+        }
+    }
+}
+
+/// Runs one front over two bands.
+fn bands<A: Arithmetic>(memory: Memory<'_, A>, tell: impl FnMut(&str, u32)) {
+    let (width, height) = OF_BANDS;
+    let mut scenes = case::skies(width, height).map(|(_, scene)| scene);
+    let (Some(first), Some(second)) = (scenes.next(), scenes.next()) else { return };
+    let config = Config { band: A::NEEDS_BAND, ..Config::CHAN_VESE };
+    let (mut planes, mut each) = ([A::Cell::BLANK; 2 * BAND], [Band::NEW; 2]);
+    let bands = Bands { planes: &mut planes, each: &mut each };
+    let run = Segmenter::of_bands(&config, width, height, memory, bands);
+    watched::<A, _>(run, &mut Two(first, second), tell);
 }
 
 /// Runs one frame and gives `tell` what was digested and the digest: planes, catalogue, outcome.
@@ -51,9 +101,18 @@ pub fn one<A: Arithmetic, F: Frame>(
     size: (usize, usize),
     frame: &mut F,
     memory: Memory<'_, A>,
+    tell: impl FnMut(&str, u32),
+) {
+    watched(Segmenter::new(config, size.0, size.1, memory), frame, tell);
+}
+
+/// Tells the digests of a run.
+fn watched<A: Arithmetic, F: Frame>(
+    run: Result<Segmenter<'_, A>, Error>,
+    frame: &mut F,
     mut tell: impl FnMut(&str, u32),
 ) {
-    let outcome = run::<A, AnyScheme<A>, F>(config, size, frame, memory, SLICE, |stage, over, run| {
+    let outcome = to_the_end::<A, AnyScheme<A>, F>(run, frame, SLICE, |stage, over, run| {
         if !over {
             return;
         }

@@ -11,6 +11,7 @@ pub mod case;
 pub mod cost;
 pub mod fram;
 pub mod paper;
+pub mod polls;
 pub mod report;
 pub mod run;
 pub mod sources;

@@ -65,10 +65,22 @@ pub fn run<A: Arithmetic, S: Evolve<A>, F: Frame>(
     frame: &mut F,
     memory: Memory<'_, A>,
     rows: usize,
+    watch: impl FnMut(Stage, bool, &Segmenter<'_, A, S>),
+) -> Result<Outcome, Error<F::Error>> {
+    to_the_end(Segmenter::<A, S>::new(config, width, height, memory), frame, rows, watch)
+}
+
+/// The same with a run that is set up, or could not be.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn to_the_end<A: Arithmetic, S: Evolve<A>, F: Frame>(
+    run: Result<Segmenter<'_, A, S>, Error>,
+    frame: &mut F,
+    rows: usize,
     mut watch: impl FnMut(Stage, bool, &Segmenter<'_, A, S>),
 ) -> Result<Outcome, Error<F::Error>> {
-    let mut run = Segmenter::<A, S>::new(config, width, height, memory)
-        .map_err(|error| error.map_frame(|never| match never {}))?;
+    let mut run = run.map_err(|error| error.map_frame(|never| match never {}))?;
     loop {
         let stage = run.stage();
         let progress = run.poll(rows, frame)?;

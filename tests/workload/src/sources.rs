@@ -6,15 +6,18 @@ use skyfront_core::arithmetic::Level;
 use skyfront_core::arithmetic::digest;
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::plane::camera::Camera;
 use skyfront_core::plane::mask::mask_words;
 use skyfront_core::plane::raster::{BadPixel, Raster, Sample};
 use skyfront_core::plane::smooth::ROOM_ROWS;
+use skyfront_core::run::extract::catalogue::Measuring;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::{Workspace, regions};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{CELL, Sky, mesh_cells};
+use skyfront_core::sources::measure::{Centroid, Sums};
 use skyfront_core::sources::tree::Region;
 
 /// Columns of every sky: two cells of the mesh.
@@ -24,6 +27,8 @@ pub const HEIGHT: usize = 72;
 const PIXELS: usize = WIDTH * HEIGHT;
 /// Pixels from a row of a camera's buffer to the next.
 const STRIDE: usize = WIDTH + 12;
+/// Room for the sources of a sky.
+const SOURCES: usize = 64;
 /// Rows of a poll, which have no part in the digests.
 const ROWS: usize = 7;
 
@@ -38,7 +43,10 @@ pub struct Room<L: Level> {
     rows: [L; ROOM_ROWS * WIDTH],
     mesh: [Sky; mesh_cells(WIDTH, HEIGHT, CELL)],
     regions: [Region<L>; regions(WIDTH, HEIGHT)],
+    sums: [Sums; SOURCES],
 }
+
+type Parts<'r, L> = (&'r [f32; PIXELS], &'r mut [u16; STRIDE * HEIGHT], Workspace<'r, L>, &'r mut [Sums; SOURCES]);
 
 impl<L: Level> Room<L> {
     /// Memory of zeros, which costs no flash.
@@ -51,6 +59,7 @@ impl<L: Level> Room<L> {
         rows: [L::BLANK; ROOM_ROWS * WIDTH],
         mesh: [Sky { level: 0.0, noise: 0.0 }; mesh_cells(WIDTH, HEIGHT, CELL)],
         regions: [Region::BLANK; regions(WIDTH, HEIGHT)],
+        sums: [Sums::EMPTY; SOURCES],
     };
 
     /// Runs the default on every sky and gives `tell` each digest with its name.
@@ -66,23 +75,38 @@ impl<L: Level> Room<L> {
 
     /// The pixels, the buffer of a camera, and what a run works in.
     pub fn work(&mut self) -> (&[f32; PIXELS], &mut [u16; STRIDE * HEIGHT], Workspace<'_, L>) {
-        let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
-        let Room { pixels, counts, masked, rows, mesh, regions, .. } = self;
-        let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
+        let (pixels, counts, work, _) = self.parts();
         (pixels, counts, work)
+    }
+
+    /// The same and the catalogue.
+    fn parts(&mut self) -> Parts<'_, L> {
+        let ([signal, fine, smooth], [parents, order, labels]) = (&mut self.levels, &mut self.words);
+        let Room { pixels, counts, masked, rows, mesh, regions, sums, .. } = self;
+        let work = Workspace { signal, fine, smooth, labels, parents, order, masked, rows, mesh, regions };
+        (pixels, counts, work, sums)
     }
 
     /// The same sky as a camera has it in its buffer, with two bad pixels.
     fn counts(&mut self, mut tell: impl FnMut(&str, u32)) {
-        let (pixels, counts, work) = self.work();
+        let (pixels, counts, work, sums) = self.parts();
         for (counts, pixels) in counts.chunks_exact_mut(STRIDE).zip(pixels.chunks_exact(WIDTH)) {
             counts.iter_mut().zip(pixels).for_each(|(count, pixel)| *count = (500.0 + 3000.0 * pixel) as u16);
         }
+        let camera = Camera { black: 0.0, gain: 2.0, read_noise: 5.0, saturation: 2500.0, psf_sigma: 1.0 };
         let bad = [BadPixel { x: 9, y: 3 }, BadPixel { x: 70, y: 50 }];
-        let known = Known { bad: &bad, ..Known::default() };
+        let known = Known { bad: &bad, camera: Some(&camera), ..Known::default() };
         let frame = Raster::new(counts, WIDTH, HEIGHT, STRIDE);
-        match frame.and_then(|frame| run(Extractor::over(&Config::NOISE_AWARE, frame, known, work)?)) {
-            Ok((found, _)) => tell("found", found_digest(&found)),
+        let found = frame.and_then(|frame| {
+            let mut extractor = Extractor::over(&Config::NOISE_AWARE, frame, known, work)?;
+            let (found, _) = run(&mut extractor)?;
+            Ok((found, catalogue_digest(&mut extractor, found.sources as usize, sums)?))
+        });
+        match found {
+            Ok((found, catalogue)) => {
+                tell("found", found_digest(&found));
+                tell("catalogue", catalogue);
+            }
             Err(_) => tell("error", 0),
         }
         let [.., labels] = &self.words;
@@ -91,8 +115,8 @@ impl<L: Level> Room<L> {
 
     fn one(&mut self, mut tell: impl FnMut(&str, u32)) {
         let (pixels, _, work) = self.work();
-        let run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work).and_then(run);
-        let [smooth, front] = match run {
+        let extractor = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work);
+        let [smooth, front] = match extractor.and_then(|mut extractor| run(&mut extractor)) {
             Ok((found, planes)) => {
                 tell("found", found_digest(&found));
                 planes
@@ -112,7 +136,7 @@ impl<L: Level> Room<L> {
 }
 
 /// What a run found, and the digests of the image that its front starts from and of the front, whose place others take.
-fn run<L: Level, P: Sample>(mut run: Extractor<'_, '_, L, P>) -> Result<(Found, [u32; 2]), Error> {
+fn run<L: Level, P: Sample>(run: &mut Extractor<'_, '_, L, P>) -> Result<(Found, [u32; 2]), Error> {
     let mut planes = None;
     loop {
         match run.poll(ROWS)? {
@@ -123,6 +147,25 @@ fn run<L: Level, P: Sample>(mut run: Extractor<'_, '_, L, P>) -> Result<(Found, 
             _ => {}
         }
     }
+}
+
+/// What the sources measure, a few rows at a time.
+fn catalogue_digest<L: Level, P: Sample>(
+    run: &mut Extractor<'_, '_, L, P>,
+    sources: usize,
+    sums: &mut [Sums],
+) -> Result<u32, Error> {
+    let mut so_far = Measuring::default();
+    sums.fill(Sums::EMPTY);
+    while !run.measure(&mut so_far, ROWS, sums)? {}
+    let numbers = sums.iter().take(sources).flat_map(|sums| {
+        let (Centroid { x, y, moments, errors }, flux) = (sums.centroid(), sums.flux(Some(2.0)));
+        let levels = sums.levels();
+        [x, y, moments.0, moments.1, moments.2, errors.0, errors.1, errors.2, flux.value, flux.error]
+            .into_iter()
+            .chain([levels.background, levels.noise, levels.threshold, f64::from(sums.flags()), f64::from(sums.area)])
+    });
+    Ok(words(numbers.map(f64::to_bits).flat_map(|bits| [bits as u32, (bits >> 32) as u32])))
 }
 
 fn found_digest(found: &Found) -> u32 {

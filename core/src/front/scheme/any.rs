@@ -52,6 +52,7 @@ macro_rules! each {
 
 impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
     const MARCHES: bool = true;
+    const FOLLOWS: bool = true;
 
     fn new(config: &Config, unit: f32) -> Result<Self, Scheme> {
         let fine = config.directions == 64;
@@ -76,5 +77,11 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
 
     fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
         each!(self, scheme => Evolve::<A>::advance(scheme, band, tiles, rows, step));
+    }
+
+    fn follow(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        if let AnyScheme::ChanVese(scheme) = self {
+            scheme.follow(band, tiles, rows, step);
+        }
     }
 }

@@ -21,8 +21,9 @@
 
 use super::length::{Length, Nearby};
 use super::{Evolve, Step, corners};
-use crate::arithmetic::{Arithmetic, Real};
+use crate::arithmetic::Arithmetic;
 use crate::config::{Config, Scheme};
+use crate::front::bands::Pull;
 use crate::plane::sweep::{Band, Kernel, advance_active, cross};
 use crate::plane::tiles::Tiles;
 use core::ops::Range;
@@ -31,9 +32,7 @@ use core::ops::Range;
 #[derive(Clone, Copy, Debug)]
 pub struct ChanVese<A: Arithmetic> {
     length: Length<A>,
-    /// `dt lambda1` and `dt lambda2`.
-    inside: A::Real,
-    outside: A::Real,
+    pull: Pull<A>,
 }
 
 /// The kernel of one step, with the means it works with.
@@ -55,9 +54,7 @@ impl<A: Arithmetic> Kernel<A, 3> for Sweep<A> {
         {
             let near = Nearby { centre: A::level(v), sides: sides.map(A::level), corners: corners.map(A::level) };
             let pixel = A::pixel(pixel);
-            let (from_inside, from_outside) = (pixel - c1, pixel - c2);
-            let force = scheme.outside * (from_outside * from_outside) - scheme.inside * (from_inside * from_inside);
-            *new = A::to_level(scheme.length.step(&near, force));
+            *new = A::to_level(scheme.length.step(&near, scheme.pull.of(pixel - c1, pixel - c2)));
         }
     }
 
@@ -68,15 +65,37 @@ impl<A: Arithmetic> Kernel<A, 3> for Sweep<A> {
     }
 }
 
+/// The kernel of one step under a force that the other plane holds.
+#[derive(Clone, Copy)]
+struct Following<A: Arithmetic> {
+    length: Length<A>,
+    step: Step<A>,
+}
+
+impl<A: Arithmetic> Kernel<A, 3> for Following<A> {
+    #[inline(always)]
+    fn row(&mut self, old: &[&[A::Cell]; 3], force: &[A::Cell], new: &mut [A::Cell]) {
+        let cross = cross(old);
+        for ((((new, &v), sides), corners), &force) in
+            new.iter_mut().zip(cross.centre).zip(cross.sides()).zip(corners(old)).zip(force)
+        {
+            let near = Nearby { centre: A::level(v), sides: sides.map(A::level), corners: corners.map(A::level) };
+            *new = A::to_level(self.length.step(&near, A::level(force)));
+        }
+    }
+
+    #[inline(always)]
+    fn settle(&mut self, old: &[A::Cell], _: &[A::Cell], new: &mut [A::Cell]) {
+        self.step.change.observe(old, new);
+    }
+}
+
 impl<A: Arithmetic> Evolve<A> for ChanVese<A> {
+    const FOLLOWS: bool = true;
+
     fn new(config: &Config, _unit: f32) -> Result<Self, Scheme> {
-        let weights = config.chan_vese;
         match config.scheme {
-            Scheme::ChanVese => Ok(ChanVese {
-                length: Length::new(config),
-                inside: A::Real::of(config.dt * weights.lambda1),
-                outside: A::Real::of(config.dt * weights.lambda2),
-            }),
+            Scheme::ChanVese => Ok(ChanVese { length: Length::new(config), pull: Pull::new(config, 1) }),
             other => Err(other),
         }
     }
@@ -90,5 +109,11 @@ impl<A: Arithmetic> Evolve<A> for ChanVese<A> {
         let mut sweep = Sweep { scheme: *self, c1, c2, step: *step };
         advance_active::<A, _, 3>(&mut sweep, band, tiles, rows);
         *step = sweep.step;
+    }
+
+    fn follow(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        let mut following = Following { length: self.length, step: *step };
+        advance_active::<A, _, 3>(&mut following, band, tiles, rows);
+        *step = following.step;
     }
 }

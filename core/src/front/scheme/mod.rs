@@ -47,6 +47,9 @@ pub trait Evolve<A: Arithmetic>: Sized {
     /// Whether the front may be found by arrival times in place of steps.
     const MARCHES: bool = false;
 
+    /// Whether several bands may move the front: [`Self::follow`] is there.
+    const FOLLOWS: bool = false;
+
     /// Builds the scheme of a validated configuration, or says that it is another one.
     ///
     /// # Errors
@@ -59,6 +62,11 @@ pub trait Evolve<A: Arithmetic>: Sized {
     /// Moves the front in the active tiles of `rows` by one step; notes which tiles change, and
     /// adds what changes to the step's record.
     fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>);
+
+    /// The same where the other plane holds the force itself ([`crate::front::bands`]).
+    fn follow(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        let _ = (band, tiles, rows, step);
+    }
 }
 
 /// A step of the front: how new values are settled, and the record of what changed.

@@ -24,6 +24,7 @@ pub struct Preset<S, P> {
 impl<A: Arithmetic, S: Evolve<A>, P: Fixed> Evolve<A> for Preset<S, P> {
     const ONLY: Option<Config> = Some(P::CONFIG);
     const MARCHES: bool = S::MARCHES;
+    const FOLLOWS: bool = S::FOLLOWS;
 
     fn new(config: &Config, unit: f32) -> Result<Self, Scheme> {
         if *config != P::CONFIG {
@@ -39,6 +40,11 @@ impl<A: Arithmetic, S: Evolve<A>, P: Fixed> Evolve<A> for Preset<S, P> {
     #[inline(always)]
     fn advance(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
         self.scheme.advance(band, tiles, rows, step);
+    }
+
+    #[inline(always)]
+    fn follow(&self, band: &mut Band<'_, A::Cell>, tiles: &mut Tiles<'_>, rows: Range<usize>, step: &mut Step<A>) {
+        self.scheme.follow(band, tiles, rows, step);
     }
 }
 

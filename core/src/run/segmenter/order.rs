@@ -12,8 +12,8 @@ use crate::image::normalize::Range;
 use crate::image::rescale;
 use crate::plane::tiles::{Tiles, rows_of_tile};
 use crate::run::outcome::StopReason;
-use crate::run::plan::Plan;
 use crate::run::stage::Stage;
+use crate::run::state::State;
 use crate::sky::noise::Estimate;
 use crate::sky::select::Select;
 use crate::sources::catalog::Source;
@@ -67,10 +67,20 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             Stage::StartLevel if self.config.scheme.has_two_fronts() => {
                 state.regions.means = Means::of(counts.four_classes());
             }
-            Stage::StartLevel => state.tau = counts.otsu(),
+            Stage::StartLevel => {
+                state.tau = counts.otsu();
+                if S::FOLLOWS && !self.bands.each.is_empty() {
+                    let left = self.bands.each.len().saturating_sub(state.pass as usize);
+                    self.bands.each.get_mut(left).into_iter().for_each(|band| band.tau = state.tau);
+                    counts.clear();
+                    if left > 0 {
+                        return Ok(());
+                    }
+                }
+            }
             Stage::March if state.marching => {
                 // A march that was left alone ends before its bound.
-                let in_time = state.pass < Plan::of(&self.config).passes(Stage::March);
+                let in_time = state.pass < self.plan().passes(Stage::March);
                 return if in_time { Ok(()) } else { Err(corrupted("the lists of the march")) };
             }
             Stage::March => {
@@ -99,7 +109,12 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 let at_rest = self.rule.at_rest(&state.change);
                 let moved = state.change.regions;
                 state.change = Change::none(&self.rule);
-                if self.config.scheme.is_by_regions() && state.regions.turn(&moved) {
+                let turned = if S::FOLLOWS && !self.bands.each.is_empty() {
+                    self.bands.turn()
+                } else {
+                    self.config.scheme.is_by_regions() && state.regions.turn(&moved)
+                };
+                if turned {
                     Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
                 }
                 if at_rest {
@@ -114,7 +129,13 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             }
             _ => {}
         }
-        self.begin_stage(self.stage_after(self.state.stage))
+        let next = self.stage_after(self.state.stage);
+        if self.has_bands() && self.state.stage.is_of_band() && !next.is_of_band() && self.bands.go_on(self.state.tau) {
+            let work = self.state.work;
+            self.state = State { work, ..State::new(&self.config, &self.rule) };
+            return self.begin_stage(Stage::Extremes);
+        }
+        self.begin_stage(next)
     }
 
     fn begin_stage(&mut self, stage: Stage) -> Result<(), Error> {
@@ -146,6 +167,9 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 if self.config.scheme.is_by_regions() {
                     state.regions.turn(&Moments::default());
                 }
+                if S::FOLLOWS {
+                    self.bands.turn();
+                }
                 Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height)).wake();
             }
             (Stage::Measure, _) => {
@@ -161,6 +185,6 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     /// The next stage; no median is wanted where all pixels are defined.
     fn stage_after(&self, stage: Stage) -> Stage {
         let complete = self.state.extremes.defined as usize >= self.width.saturating_mul(self.height);
-        Plan::of(&self.config).after(stage, |next| next == Stage::Median && complete)
+        self.plan().after(stage, |next| next == Stage::Median && complete)
     }
 }

@@ -4,6 +4,7 @@ use super::{Segmenter, corrupted};
 use crate::arithmetic::{Arithmetic, Cell, Real};
 use crate::config::{Motion, Normalize, Rescale, Start, Tau};
 use crate::error::Error;
+use crate::front::bands::{Bands, Pull};
 use crate::front::march::March;
 use crate::front::pair;
 use crate::front::profile::turn_row;
@@ -25,12 +26,21 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     /// One row of a stage that looks at no neighbours.
     pub(super) fn single_row<F: Frame>(&mut self, y: usize, frame: &mut F) -> Result<(), Error<F::Error>> {
         let width = self.width;
+        let (has_bands, pixels) = (self.has_bands(), width.saturating_mul(self.height));
         let state = &mut self.state;
         let samples = self.memory.samples.get_mut(..width).unwrap_or(&mut []);
-        let image = row_of_mut(self.memory.image, width, y);
+        let (mut image, mut first_row) = (&mut *self.memory.image, 0);
+        if has_bands {
+            // Levels are told in the same order as bands are made ready.
+            let last = self.bands.each.len().saturating_sub(1);
+            let levels = state.stage == Stage::StartLevel;
+            let at = if levels { last.saturating_sub(state.pass as usize) } else { self.bands.under_way() };
+            (image, first_row) = (self.bands.plane_mut(at, pixels), at.saturating_mul(self.height));
+        }
+        let image = row_of_mut(image, width, y);
         let counts = &mut *self.memory.counts;
         if reads_frame(state.stage) {
-            frame.row(y, samples).map_err(Error::Frame)?;
+            frame.row(first_row.saturating_add(y), samples).map_err(Error::Frame)?;
         }
         match state.stage {
             Stage::Extremes => state.extremes.observe(samples),
@@ -88,7 +98,11 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 }
             }
         }
-        if self.config.scheme.is_by_regions() {
+        if self.has_bands() {
+            let pixels = self.width.saturating_mul(self.height);
+            let front = self.memory.front.get(..pixels).unwrap_or(&[]);
+            self.bands.add_rows(front, self.width, y..y.saturating_add(1));
+        } else if self.config.scheme.is_by_regions() {
             let image = row_of(self.memory.image, self.width, y);
             self.state.regions.add_row::<A>(row_of(self.memory.front, self.width, y), image);
         }
@@ -110,8 +124,20 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     fn start_row(&mut self, y: usize) {
         let Start::Threshold { margin } = self.config.start else { return };
         let (width, last) = (self.width, self.height.saturating_sub(1));
+        let (has_bands, pixels) = (self.has_bands(), width.saturating_mul(self.height));
         let front = &mut *self.memory.front;
         match self.state.stage {
+            Stage::StartMark if has_bands => {
+                let row = row_of_mut(front, width, y);
+                for (at, (band, plane)) in self.bands.iter(pixels).enumerate() {
+                    let image = row_of(plane, width, y);
+                    if at == 0 {
+                        start::mark_row::<A>(image, band.tau, margin, row);
+                    } else {
+                        start::mark_also::<A>(image, band.tau, row);
+                    }
+                }
+            }
             Stage::StartMark => {
                 let image = row_of(self.memory.image, width, y);
                 start::mark_row::<A>(image, self.state.tau, margin, row_of_mut(front, width, y));
@@ -200,17 +226,19 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     }
 
     pub(super) fn sweep_image<K: Kernel<A, 3>>(&mut self, kernel: &mut K, end: usize) {
-        let rows = self.state.row..end;
-        let pixels = self.width.saturating_mul(self.height);
-        let image = self.memory.image.get_mut(..pixels).unwrap_or(&mut []);
-        let mut band = Band { plane: image, aux: &[], ring: self.memory.ring, width: self.width, halo: Halo::NONE };
+        let (rows, width, pixels) = (self.state.row..end, self.width, self.width.saturating_mul(self.height));
+        let has_bands = self.has_bands();
+        let Self { memory, bands, .. } = self;
+        let plane = image_of(memory.image, bands, has_bands, pixels);
+        let mut band = Band { plane, aux: &[], ring: memory.ring, width, halo: Halo::NONE };
         advance::<A, K, 3>(kernel, &mut band, rows);
     }
 
     pub(super) fn filter_rows(&mut self, end: usize) {
         let (rows, pixels) = (self.state.row..end, self.width.saturating_mul(self.height));
+        let has_bands = self.has_bands();
         let mut planes = Planes {
-            image: self.memory.image.get_mut(..pixels).unwrap_or(&mut []),
+            image: image_of(self.memory.image, &mut self.bands, has_bands, pixels),
             spare: self.memory.front.get_mut(..pixels).unwrap_or(&mut []),
             ring: &mut *self.memory.ring,
             width: self.width,
@@ -223,18 +251,39 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
 
     pub(super) fn evolve_rows(&mut self, end: usize) {
         let pixels = self.width.saturating_mul(self.height);
+        let (has_bands, rows, width) = (self.has_bands(), self.state.row..end, self.width);
+        if has_bands {
+            let pull = Pull::new(&self.config, self.bands.each.len());
+            let force = self.memory.image.get_mut(..pixels).unwrap_or(&mut []);
+            self.bands.force_rows(&pull, force, width, rows.clone());
+        }
         let front = self.memory.front.get_mut(..pixels).unwrap_or(&mut []);
         let speed = self.memory.image.get(..pixels).unwrap_or(&[]);
-        let rows = self.state.row..end;
         let mut band = Band { plane: front, aux: speed, ring: self.memory.ring, width: self.width, halo: Halo::NONE };
         let mut tiles = Tiles::new(self.memory.tiles, self.width, rows_of_tile(self.height));
         let mut step = Step { settle: self.settle, change: self.state.change, means: self.state.regions.means };
-        self.scheme.advance(&mut band, &mut tiles, rows, &mut step);
+        if has_bands {
+            self.scheme.follow(&mut band, &mut tiles, rows.clone(), &mut step);
+            self.bands.add_rows(self.memory.front.get(..pixels).unwrap_or(&[]), width, rows);
+        } else {
+            self.scheme.advance(&mut band, &mut tiles, rows, &mut step);
+        }
         self.state.change = step.change;
         if end == self.height {
             tiles.turn(&[], &[]);
         }
     }
+}
+
+/// The plane in which the steps up to the filtered image work: that of the band under way, where there are several.
+#[inline(always)]
+fn image_of<'a, A: Arithmetic>(
+    image: &'a mut [A::Cell],
+    bands: &'a mut Bands<'_, A>,
+    has_bands: bool,
+    pixels: usize,
+) -> &'a mut [A::Cell] {
+    if has_bands { bands.plane_mut(bands.under_way(), pixels) } else { image.get_mut(..pixels).unwrap_or(&mut []) }
 }
 
 /// What a damaged label table is called.

@@ -50,7 +50,7 @@ fn sums(signal: &Plane, matched: &Plane, regions: &Regions) -> Vec<Sums> {
         sum.area += 1;
         sum.peak = sum.peak.max(matched.values()[at]);
         sum.even_peak = sum.even_peak.max(matched.values()[at] * weight(at));
-        sum.narrow = sum.narrow.max(narrow.values()[at]);
+        sum.narrow = sum.narrow.max(narrow.values()[at] * weight(at));
         sum.light += signal.values()[at];
     }
     sums

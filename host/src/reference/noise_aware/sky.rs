@@ -57,10 +57,46 @@ impl Mesh {
         let crowded = 2 * cells.iter().filter(|cell| enough(cell)).count() < seen_at_all;
         for (index, cell) in cells.iter().enumerate() {
             let sky = || cell.iter().filter(|&&at| seen[at] == Seen::Sky).map(|&at| pixels[at] + 0.0).collect();
-            let known = || self.cells[index].filter(|_| crowded);
+            let known = || {
+                let sky = self.cells[index].filter(|_| crowded)?;
+                let quiet = mesh.quiet(index, sky.level, pixels, seen, facts);
+                let noise = quiet.filter(|quiet| *quiet < 0.9 * sky.noise).unwrap_or(sky.noise);
+                Some(Sky { noise, ..sky })
+            };
             mesh.cells.push(if enough(cell) { Some(clipped(sky(), facts, off)) } else { known() });
         }
         mesh.filled().smoothed()
+    }
+
+    /// The noise of the darkest pixels of a cell.
+    fn quiet(&self, cell: usize, level: f64, pixels: &[f64], seen: &[Seen], facts: &Facts) -> Option<f64> {
+        let (width, height) = self.size;
+        let mut sizes = Vec::new();
+        for at in self.pixels(cell) {
+            let (x, y) = (at % width, at / width);
+            if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
+                continue;
+            }
+            let near: Vec<usize> = (0..9).map(|n| at + n % 3 + n / 3 * width - width - 1).collect();
+            let weights = [1.0, -2.0, 1.0, -2.0, 4.0, -2.0, 1.0, -2.0, 1.0];
+            let mean = near.iter().map(|&at| pixels[at]).sum::<f64>() / 9.0;
+            if near.iter().all(|&at| seen[at] != Seen::Nothing) && mean <= level {
+                sizes.push(near.iter().zip(weights).map(|(&at, weight)| weight * pixels[at]).sum::<f64>().abs());
+            }
+        }
+        if sizes.len() < 16 {
+            return None;
+        }
+        sizes.sort_by(f64::total_cmp);
+        let bends = 1.4826 / 6.0 * ranked(&sizes, sizes.len() / 2, facts.step);
+        let mut values: Vec<f64> =
+            self.pixels(cell).into_iter().filter(|&at| seen[at] != Seen::Nothing).map(|at| pixels[at]).collect();
+        values.sort_by(f64::total_cmp);
+        let [a, b, c] = [200, 40, 8].map(|parts| ranked(&values, values.len() / parts, facts.step));
+        let ratio = if b > a { ((c - b) / (b - a)).max(1.1) } else { 1.1 };
+        let tail = 0.4 * (c - a) / (ratio - 0.7);
+        let noise = if bends <= 1.6 * tail && tail <= 1.6 * bends { bends } else { tail };
+        (noise > 0.0).then_some(noise)
     }
 
     /// The mesh of which nothing is known yet.

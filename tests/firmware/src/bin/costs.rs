@@ -6,7 +6,8 @@
 use core::fmt::Write;
 use skyfront_core::arithmetic::{Arithmetic, F32, Q11, Q24};
 use skyfront_firmware::entry;
-use skyfront_firmware::machine::{self, Console, Once, Processor};
+use skyfront_firmware::machine::{self, Console, Once};
+use skyfront_machine::Processor;
 use skyfront_workload::cost::{self, Image, PIXELS, Planes};
 use skyfront_workload::report;
 

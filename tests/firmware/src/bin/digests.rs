@@ -5,7 +5,8 @@
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Q11, Q24};
 use skyfront_firmware::entry;
-use skyfront_firmware::machine::{Console, Once, Processor};
+use skyfront_firmware::machine::{Console, Once};
+use skyfront_machine::Processor;
 use skyfront_workload::bits::{self, Planes};
 use skyfront_workload::report;
 use skyfront_workload::sources::Room;

@@ -3,15 +3,16 @@
 #![no_std]
 #![no_main]
 
-use skyfront_core::sources::catalog::Source;
 use skyfront_core::config::Config;
 use skyfront_core::hal::{Heartbeat, MapWriter, MemoryFrame, PixelFormat, SerialMemory};
 use skyfront_core::run::memory::{Memory, bytes, flags_len, ring_cells};
-use skyfront_core::sky::otsu::Histogram;
 use skyfront_core::run::outcome::Progress;
+use skyfront_core::sky::otsu::Histogram;
+use skyfront_core::sources::catalog::Source;
 use skyfront_core::{arithmetic::F32, front::scheme::Fd, run::segmenter::Segmenter};
 use skyfront_firmware::entry;
-use skyfront_firmware::machine::{Console, Once, Processor};
+use skyfront_firmware::machine::{Console, Once};
+use skyfront_machine::Processor;
 use skyfront_workload::fram::{Failed, Pin, sky_in_fram};
 use skyfront_workload::{bits, report};
 

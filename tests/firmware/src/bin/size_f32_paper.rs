@@ -6,8 +6,8 @@
 use skyfront_core::arithmetic::F32;
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::front::scheme::{Fd, Fixed, Preset};
-use skyfront_firmware::machine::Processor;
 use skyfront_firmware::sized;
+use skyfront_machine::Processor;
 
 /// What the program is built for.
 struct Paper;

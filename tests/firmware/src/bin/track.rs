@@ -5,7 +5,8 @@
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Q24};
 use skyfront_firmware::entry;
-use skyfront_firmware::machine::{self, Console, Once, Processor};
+use skyfront_firmware::machine::{self, Console, Once};
+use skyfront_machine::Processor;
 use skyfront_workload::report;
 use skyfront_workload::track::Room;
 

@@ -2,8 +2,6 @@
 
 use super::{PAINT, read, write};
 use core::arch::{asm, global_asm};
-use skyfront_core::arithmetic::machine::Machine;
-use skyfront_core::arithmetic::vectors::NoVectors;
 
 /// Whether [`ticks`] tells anything.
 pub const COUNTS: bool = true;
@@ -87,27 +85,5 @@ pub fn stop() -> ! {
     loop {
         // Sound: the emulator takes this breakpoint for itself and does not return.
         unsafe { asm!("bkpt 0xab", in("r0") 0x18, in("r1") 0x20026) }
-    }
-}
-
-/// What the processor adds to plain code: the FPU's square root, where there is an FPU.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Processor;
-
-impl Machine for Processor {
-    type Vectors = NoVectors<f32, f32>;
-
-    #[cfg(target_abi = "eabihf")]
-    #[inline(always)]
-    fn sqrt(x: f32) -> f32 {
-        let root: f32;
-        // Sound: reads and writes registers only. IEEE 754 rounds it as everywhere.
-        unsafe { asm!("vsqrt.f32 {}, {}", out(sreg) root, in(sreg) x, options(pure, nomem, nostack)) }
-        root
-    }
-
-    #[cfg(not(target_abi = "eabihf"))]
-    fn sqrt(x: f32) -> f32 {
-        skyfront_core::arithmetic::machine::Plain::sqrt(x)
     }
 }

@@ -3,9 +3,6 @@
 use super::{PAINT, write};
 use core::arch::{asm, global_asm};
 
-/// What the processor adds to plain code: nothing.
-pub use skyfront_core::arithmetic::machine::Plain as Processor;
-
 /// Whether [`ticks`] tells anything: QEMU's LEON3 counts no instructions.
 pub const COUNTS: bool = false;
 

@@ -14,7 +14,7 @@ use skyfront_workload::report;
 #[cfg_attr(target_arch = "sparc", path = "leon3.rs")]
 mod this;
 
-pub use this::{COUNTS, Processor, instructions, stop, ticks};
+pub use this::{COUNTS, instructions, stop, ticks};
 
 /// What the start-up code fills the stack with.
 const PAINT: u32 = 0x5AFE_57AC;

@@ -1,10 +1,7 @@
-//! RV32IMAC: QEMU's `virt` board.
+//! RV32IMAC and RV32IMAFC: QEMU's `virt` board.
 
 use super::{PAINT, write};
 use core::arch::{asm, global_asm};
-
-/// What the processor adds to plain code: nothing.
-pub use skyfront_core::arithmetic::machine::Plain as Processor;
 
 /// Whether [`ticks`] tells anything.
 pub const COUNTS: bool = true;
@@ -19,6 +16,9 @@ global_asm!(
     "la sp, _stack_top",
     "la t0, _fault",
     "csrw mtvec, t0",
+    // Let the FPU run; without one, the bits cannot be set.
+    "li t0, 0x2000",
+    "csrs mstatus, t0",
     "la t0, _stack_bottom",
     "li t1, {paint}",
     "1: sw t1, 0(t0)",

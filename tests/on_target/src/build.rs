@@ -12,10 +12,18 @@ pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware")
 }
 
+/// The programs of which nothing is measured.
+const UNMEASURED: [&str; 2] = ["digests", "flight"];
+
+/// The profile of a program.
+fn profile(bin: &str) -> &'static str {
+    if UNMEASURED.contains(&bin) { "unmeasured" } else { "release" }
+}
+
 /// The image of the program `bin` for `target`.
 #[must_use]
 pub fn image(target: &str, bin: &str) -> PathBuf {
-    folder().join("target").join(target).join("release").join(bin)
+    folder().join("target").join(target).join(profile(bin)).join(bin)
 }
 
 /// The compiler that `tests/firmware/setup` finds or installs.
@@ -61,24 +69,28 @@ pub fn compiler() -> Result<String> {
 
 /// Builds programs of the firmware, if any, for machines.
 pub fn programs(names: &[&str], machines: &[Machine]) -> Result<()> {
-    if names.is_empty() {
-        return Ok(());
+    for profile in ["unmeasured", "release"] {
+        let own = names.iter().filter(|name| self::profile(name) == profile);
+        let bins: Vec<&str> = own.flat_map(|name| ["--bin", name]).collect();
+        if !bins.is_empty() {
+            let command = [&["build", "--profile", profile][..], &bins].concat();
+            cargo(&command, machines, &[]).context("the firmware does not build")?;
+        }
     }
-    let mut command = vec!["build"];
-    names.iter().for_each(|name| command.extend(["--bin", name]));
-    cargo(&command, machines, &[]).context("the firmware does not build")
+    Ok(())
 }
 
 /// Looks for lints in the firmware, which is no part of the workspace; any is an error.
 pub fn lint() -> Result<()> {
-    cargo(&["clippy", "--bins"], &MACHINES, &["--", "-D", "warnings"]).context("the firmware has lints")
+    cargo(&["clippy", "--release", "--bins"], &MACHINES, &["--", "-D", "warnings"]).context("the firmware has lints")
 }
 
 /// The core's static library for C, small as the firmware is; returns its file.
 pub fn static_library(machine: &Machine) -> Result<PathBuf> {
     let manifest = folder().join("../../core/c/Cargo.toml");
     let manifest = manifest.to_str().context("a path in UTF-8")?;
-    let rustc = ["rustc", "--manifest-path", manifest, "--crate-type", "staticlib", "--features", "panic-handler"];
+    let rustc =
+        ["rustc", "--release", "--manifest-path", manifest, "--crate-type", "staticlib", "--features", "panic-handler"];
     let small = ["profile.release.opt-level='s'", "profile.release.lto='fat'", "profile.release.panic='abort'"];
     let rest: Vec<&str> = small.iter().flat_map(|&line| ["--config", line]).collect();
     cargo(&rustc, &[*machine], &rest).context("the library for C does not build")?;
@@ -102,7 +114,7 @@ fn cargo(command: &[&str], machines: &[Machine], rest: &[&str]) -> Result<()> {
         // The library's source is built with the compiler it belongs to: a right of that compiler's own build.
         .env("RUSTC_BOOTSTRAP", "1")
         .args(command)
-        .args(["--release", "--locked", "-Zbuild-std=core", "--target-dir", "target"]);
+        .args(["--locked", "-Zbuild-std=core", "--target-dir", "target"]);
     for machine in machines {
         cargo.args(["--target", machine.target]);
     }

@@ -82,7 +82,7 @@ impl Frame for Two {
 }
 
 /// Runs one front over two bands.
-fn bands<A: Arithmetic>(memory: Memory<'_, A>, tell: impl FnMut(&str, u32)) {
+fn bands<A: Arithmetic>(memory: Memory<'_, A>, mut tell: impl FnMut(&str, u32)) {
     let (width, height) = OF_BANDS;
     let mut scenes = case::skies(width, height).map(|(_, scene)| scene);
     let (Some(first), Some(second)) = (scenes.next(), scenes.next()) else { return };
@@ -90,7 +90,12 @@ fn bands<A: Arithmetic>(memory: Memory<'_, A>, tell: impl FnMut(&str, u32)) {
     let (mut planes, mut each) = ([A::Cell::BLANK; 2 * BAND], [Band::NEW; 2]);
     let bands = Bands { planes: &mut planes, each: &mut each };
     let run = Segmenter::of_bands(&config, width, height, memory, bands);
-    watched::<A, _>(run, &mut Two(first, second), tell);
+    watched::<A, _>(run, &mut Two(first, second), |what, crc| {
+        // What comes before the front comes once for each band.
+        if !matches!(what, "normalize" | "rescale" | "filter") {
+            tell(what, crc);
+        }
+    });
 }
 
 /// Runs one frame and gives `tell` what was digested and the digest: planes, catalogue, outcome.

@@ -117,7 +117,17 @@ fn options() -> BTreeSet<String> {
 fn options_of_the_documents_exist() {
     let known = options();
     // Of cargo, of the checks' programs, and one that does not exist, quoted as such.
-    let others = ["--release", "--path", "--store", "--locked", "--all", "--example", "--ignored", "--detect-thresh"];
+    let others = [
+        "--release",
+        "--path",
+        "--store",
+        "--locked",
+        "--all",
+        "--example",
+        "--ignored",
+        "--nocapture",
+        "--detect-thresh",
+    ];
     for page in pages() {
         let text = fs::read_to_string(&page).expect("a page");
         let words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '-').filter(|word| {

@@ -237,12 +237,21 @@ mod tests {
         (rows.copied().collect(), right - part.origin.0)
     }
 
-    /// The first pixel of the source of every pixel, 0 for none, as the parts find it together; and how often they asked.
-    fn in_parts(config: &Config, image: &[f32], at: (usize, usize)) -> (Vec<usize>, usize) {
-        let (parts, mut answers, mut rounds) = (parts(at), Answers::default(), 0);
+    /// What parts find together.
+    #[derive(Default)]
+    struct Found {
+        /// The first pixel of the source of every pixel, 0 for none.
+        firsts: Vec<usize>,
+        noise: Vec<f32>,
+        /// How often they asked.
+        rounds: usize,
+    }
+
+    fn in_parts(config: &Config, image: &[f32], at: (usize, usize)) -> Found {
+        let (parts, mut answers, mut found) = (parts(at), Answers::default(), Found::default());
         loop {
             let mut asked: BTreeMap<String, Vec<Vec<u8>>> = BTreeMap::new();
-            let mut firsts = vec![0; WIDTH * HEIGHT];
+            (found.firsts, found.noise) = (vec![0; WIDTH * HEIGHT], vec![0.0; WIDTH * HEIGHT]);
             for part in &parts {
                 let (pixels, width) = cut(image, part);
                 let whole = Asking::new(part.clone(), &answers);
@@ -250,23 +259,24 @@ mod tests {
                 match segment(config, &pixels, width, pixels.len() / width, &mut drive) {
                     Err(Error::Waiting) => {}
                     Err(error) => panic!("{error}"),
-                    Ok(run) => paste(&run, part, &mut firsts),
+                    Ok(run) => paste(&run, part, &mut found),
                 }
                 whole.contributions().into_iter().for_each(|(name, own)| asked.entry(name).or_default().push(own));
             }
             if asked.is_empty() {
-                return (firsts, rounds);
+                return found;
             }
-            rounds += 1;
+            found.rounds += 1;
             asked.iter().for_each(|(name, own)| answers.take(name, &answer(name, own)));
         }
     }
 
-    fn paste(run: &Segmentation, part: &Part, firsts: &mut [usize]) {
+    fn paste(run: &Segmentation, part: &Part, found: &mut Found) {
         let first = firsts_of(&run.labels, run.width, |place| part.place(place));
         for at in part.own(run.width) {
             let (x, y) = part.place((at % run.width, at / run.width));
-            firsts[y * WIDTH + x] = first[run.labels[at] as usize];
+            found.firsts[y * WIDTH + x] = first[run.labels[at] as usize];
+            found.noise[y * WIDTH + x] = run.sky.as_ref().expect("it is measured").noise[at];
         }
     }
 
@@ -295,13 +305,37 @@ mod tests {
             let expected = firsts_of(&whole.labels, WIDTH, |place| place);
             let expected: Vec<usize> = whole.labels.iter().map(|&label| expected[label as usize]).collect();
             for at in [(200, 190), (133, 301)] {
-                let (found, rounds) = in_parts(&config, &image, at);
-                let other = found.iter().zip(&expected).filter(|(found, expected)| found != expected).count();
+                let Found { firsts, rounds, .. } = in_parts(&config, &image, at);
+                let other = firsts.iter().zip(&expected).filter(|(found, expected)| found != expected).count();
                 assert_eq!(other, 0, "{other} pixels differ, {kind:?} at {at:?}");
                 assert!(rounds < 16, "{rounds}");
             }
             assert!(whole.outcome.sources > 3);
         }
+    }
+
+    /// Most cells are crowded, and have the noise of their darkest pixels.
+    #[test]
+    fn parts_of_a_crowd_have_the_noise_of_one_piece() {
+        let mut image = crate::truth::simulated(Sky::Noisy, 4, WIDTH, HEIGHT).0.pixels;
+        let mut state = 1u32;
+        let mut draw = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as usize
+        };
+        for _ in 0..9000 {
+            let (x, y, peak) = (2 + draw() % (WIDTH - 4), 2 + draw() % (HEIGHT - 4), 900.0 / (1 + draw() % 60) as f32);
+            for (row, column) in (0..5).flat_map(|row| (0..5).map(move |column| (row, column))) {
+                let off = (row as f32 - 2.0).powi(2) + (column as f32 - 2.0).powi(2);
+                image[(y + row - 2) * WIDTH + x + column - 2] += peak * (-off / 2.0).exp();
+            }
+        }
+        let config = Config::NOISE_AWARE;
+        let whole = segment(&config, &image, WIDTH, HEIGHT, &mut Drive::default()).expect("an image");
+        assert!(whole.outcome.sources > 500 && whole.remarks.iter().any(|remark| remark.contains("cells of the sky")));
+        // Sources hang together farther than parts see.
+        let sky = whole.sky.expect("it is measured");
+        assert_eq!(in_parts(&config, &image, (200, 190)).noise, sky.noise);
     }
 
     #[test]
@@ -310,8 +344,8 @@ mod tests {
         let back: Vec<Vec<u8>> = parts.iter().rev().cloned().collect();
         assert_eq!(answer("Fine(2)", &parts), bytes([1, 3, 5]));
         assert_eq!(answer("Fine(2)", &back), answer("Fine(2)", &parts));
-        let cells = [bytes([1, 9, 9, 9, 9, 9]), bytes([0, 7, 7, 7, 7, 7])];
-        assert_eq!(answer("Cells(0)", &cells), bytes([0, 7, 7, 7, 7, 7, 1, 9, 9, 9, 9, 9]));
+        let cells = [bytes([1, 9, 9, 9, 9, 9, 9]), bytes([0, 7, 7, 7, 7, 7, 7])];
+        assert_eq!(answer("Cells(0)", &cells), bytes([0, 7, 7, 7, 7, 7, 7, 1, 9, 9, 9, 9, 9, 9]));
         let one = [1.0f64, 2.0, 0.0, 0.0].iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
         assert_eq!(sums(&answer("FinePowers(0)", &[one.clone(), one])), [2.0, 4.0, 0.0, 0.0]);
     }

@@ -78,7 +78,9 @@ impl Tail {
         }
         let mut noise = 1.4826 * if facts.cut_off { lower.max(0.5 * (lower + upper)) } else { lower };
         if facts.coarse {
-            noise = noise.max((middle - sky[n / 1000]) / 3.090232).max(clipped(&sky));
+            let far = [(1000, 3.090232), (10_000, 3.719016), (30_000, 3.987879)];
+            let far = far.map(|(parts, height)| (middle - sky[n / parts]) / height);
+            noise = far.into_iter().fold(noise.max(clipped(&sky)), f64::max);
         }
         let all = values.iter().zip(masked).filter(|(_, masked)| !**masked).map(|(value, _)| *value);
         Tail { noise, skewness: skewness(&all.filter(|value| value.abs() <= 6.0 * noise).collect::<Vec<_>>()) }

@@ -11,7 +11,7 @@ use skyfront_workload::{bits, report};
 entry!(run);
 
 fn run(mut line: Console) {
-    report::resource(&mut line, &["hardware"], u32::from(HARDWARE), "(1 = yes)");
+    report::resource(&mut line, &["hardware"], u32::from(HARDWARE), "instructions");
     report::digest(&mut line, &["roots"], bits::roots::<Processor>());
     report::done(&mut line);
 }

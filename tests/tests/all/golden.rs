@@ -2,8 +2,11 @@
 //! by `cargo run --release -p skyfront-on-target -- digests`, and stored by its `host --store`.
 
 use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level, Q11, Q24};
+use skyfront_core::config::Config;
+use skyfront_core::run::extract::{Extractor, Progress};
+use skyfront_core::sky::view::Known;
 use skyfront_workload::bits::{self, Planes};
-use skyfront_workload::sources::Room;
+use skyfront_workload::sources::{Room, WIDTH};
 use skyfront_workload::track;
 use std::collections::BTreeMap;
 
@@ -49,4 +52,19 @@ fn every_digest_is_the_golden_one() {
     let differ = |name: &&String| here.get(*name) != golden.get(*name);
     let names: Vec<_> = here.keys().chain(golden.keys()).filter(differ).collect();
     assert!(names.is_empty(), "{} digests are others, missing or new: {names:?}", names.len());
+}
+
+#[test]
+fn the_crowd_has_too_little_sky() {
+    let mut room = Box::new(Room::<f32>::BLANK);
+    room.draw_crowd();
+    let (pixels, _, work) = room.work();
+    let run = Extractor::new(&Config::NOISE_AWARE, pixels, WIDTH, Known::default(), work);
+    let mut run = run.expect("room enough");
+    let found = loop {
+        if let Progress::Done(found) = run.poll(usize::MAX).expect("noise") {
+            break found;
+        }
+    };
+    assert!(found.survey.is_crowded() && found.sources > 20, "{found:?}");
 }

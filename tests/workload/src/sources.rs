@@ -15,6 +15,7 @@ use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::frame::Frame;
 use skyfront_core::run::stage::Stage;
 use skyfront_core::run::workspace::{Workspace, regions};
+use skyfront_core::simulate::{Kind, Sky as Simulated};
 use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{CELL, Sky, mesh_cells};
 use skyfront_core::sources::measure::{Centroid, Sums};
@@ -29,6 +30,8 @@ const PIXELS: usize = WIDTH * HEIGHT;
 const STRIDE: usize = WIDTH + 12;
 /// Room for the sources of a sky.
 const SOURCES: usize = 64;
+/// Seeds of the skies whose stars are laid over each other in a crowd.
+const CROWD: core::ops::Range<u32> = 2..48;
 /// Rows of a poll, which have no part in the digests.
 const ROWS: usize = 7;
 
@@ -70,6 +73,22 @@ impl<L: Level> Room<L> {
             }
             self.one(|what, crc| tell(&[L::NAME, sky, "default", what], crc));
             self.counts(|what, crc| tell(&[L::NAME, sky, "counts", what], crc));
+        }
+        self.draw_crowd();
+        self.one(|what, crc| tell(&[L::NAME, "crowd", "default", what], crc));
+    }
+
+    /// Lays the stars of many skies over the noise of one, so that no cell of the mesh has enough sky.
+    pub fn draw_crowd(&mut self) {
+        let mut first = Simulated::new(Kind::Stars, 1, WIDTH, HEIGHT);
+        for (y, row) in self.pixels.chunks_exact_mut(WIDTH).enumerate() {
+            let Ok(()) = first.row(y, row);
+            for seed in CROWD {
+                let sky = Simulated::new(Kind::Stars, seed, WIDTH, HEIGHT);
+                (0..sky.objects()).for_each(|index| {
+                    sky.add_light(index, y, row);
+                });
+            }
         }
     }
 

@@ -21,6 +21,7 @@ use crate::sources::catalog::Source;
 impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
     /// The last row of a pass is done: what follows from it, and the next pass.
     pub(super) fn end_pass(&mut self) -> Result<(), Error> {
+        let has_bands = self.has_bands();
         let (state, counts) = (&mut self.state, &mut *self.memory.counts);
         state.row = 0;
         state.pass = state.pass.saturating_add(1);
@@ -69,7 +70,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
             }
             Stage::StartLevel => {
                 state.tau = counts.otsu();
-                if S::FOLLOWS && !self.bands.each.is_empty() {
+                if has_bands {
                     let left = self.bands.each.len().saturating_sub(state.pass as usize);
                     self.bands.each.get_mut(left).into_iter().for_each(|band| band.tau = state.tau);
                     counts.clear();
@@ -109,7 +110,7 @@ impl<A: Arithmetic, S: Evolve<A>> Segmenter<'_, A, S> {
                 let at_rest = self.rule.at_rest(&state.change);
                 let moved = state.change.regions;
                 state.change = Change::none(&self.rule);
-                let turned = if S::FOLLOWS && !self.bands.each.is_empty() {
+                let turned = if has_bands {
                     self.bands.turn()
                 } else {
                     self.config.scheme.is_by_regions() && state.regions.turn(&moved)

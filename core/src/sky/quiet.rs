@@ -1,8 +1,8 @@
 //! The noise of a cell that sources cover: what is left between them is theirs too, but its darkest pixels differ from
 //! their neighbours by little else than noise.
 
+use super::Values;
 use super::clipped::at_rank;
-use super::{LEAST_PIXELS, Values};
 use crate::arithmetic::Real;
 use crate::plane::sort::Keys;
 use core::ops::Range;
@@ -20,6 +20,10 @@ const TAIL_NOISE: f32 = 0.4;
 const TAIL_BEND: f32 = 0.7;
 /// A steeper tail is taken for one of this ratio.
 const LEAST_RATIO: f32 = 1.1;
+/// Fewer boxes do not tell their differences.
+const LEAST_BOXES: usize = 100;
+/// Of fewer values too few are in the tail: a window with one star is not a crowd.
+const LEAST_VALUES: usize = 1600;
 /// Differences and tail agree within this factor; the tail of a cell is known to a quarter.
 const AGREE: f32 = 1.6;
 
@@ -47,9 +51,11 @@ pub(crate) fn quiet<D: Fn(usize, usize) -> u32, V: Fn(usize, usize) -> Option<f3
     let [left, right, bottom, top] = sides;
     let differences = (bottom..top).flat_map(|y| pixels.boxes(y, left..right)).filter(|bend| bend.mean <= level);
     let sorted = keys.sorted(differences.map(|bend| bend.difference));
-    let is_known = sorted.len() >= LEAST_PIXELS;
+    let is_known = sorted.len() >= LEAST_BOXES;
     let difference = FROM_MEDIAN / SECOND * at_rank(sorted, sorted.len() / 2, values.step);
-    let tail = tail(keys.sorted((bottom..top).flat_map(|y| pixels.row(y, left..right))), values.step);
+    let sorted = keys.sorted((bottom..top).flat_map(|y| pixels.row(y, left..right)));
+    let is_known = is_known && sorted.len() >= LEAST_VALUES;
+    let tail = tail(sorted, values.step);
     let agrees = difference <= AGREE * tail && tail <= AGREE * difference;
     let noise = if agrees { difference } else { tail };
     (is_known && noise > 0.0).then_some(noise)
@@ -190,5 +196,13 @@ mod tests {
         let [keys, spare] = &mut room;
         let none = quiet(&frame, [0, SIDE, 0, SIDE], 9.0, &Values::UNKNOWN, &mut Keys(keys, spare));
         assert_eq!(none, None, "every second column is undefined");
+        let of_side = |side: usize| {
+            let value = |x: usize, y: usize| pixels.get(y * SIDE + x).copied();
+            let window = Pixels { size: (side, side), defined: |_, _| u32::MAX, value };
+            let mut room = [[0; SIDE * SIDE]; 2];
+            let [keys, spare] = &mut room;
+            quiet(&window, [0, side, 0, side], 9.0, &Values::UNKNOWN, &mut Keys(keys, spare))
+        };
+        assert!(of_side(39).is_none() && of_side(40).is_some(), "a window is too small");
     }
 }

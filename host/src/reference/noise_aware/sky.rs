@@ -84,13 +84,16 @@ impl Mesh {
                 sizes.push(near.iter().zip(weights).map(|(&at, weight)| weight * pixels[at]).sum::<f64>().abs());
             }
         }
-        if sizes.len() < 16 {
+        if sizes.len() < 100 {
             return None;
         }
         sizes.sort_by(f64::total_cmp);
         let bends = 1.4826 / 6.0 * ranked(&sizes, sizes.len() / 2, facts.step);
         let mut values: Vec<f64> =
             self.pixels(cell).into_iter().filter(|&at| seen[at] != Seen::Nothing).map(|at| pixels[at]).collect();
+        if values.len() < 1600 {
+            return None;
+        }
         values.sort_by(f64::total_cmp);
         let [a, b, c] = [200, 40, 8].map(|parts| ranked(&values, values.len() / parts, facts.step));
         let ratio = if b > a { ((c - b) / (b - a)).max(1.1) } else { 1.1 };

@@ -5,11 +5,16 @@ use crate::plane::sort;
 
 /// The most that a pixel's value may exceed its neighbours by, in noise units.
 const HEIGHT: f32 = 5.0;
-/// A pixel whose neighbours' median reaches this part of it is a star. So is one whose four neighbours
-/// across an edge have this part of it together: a star so sharp that it lights hardly two by two
-/// pixels still has a third of its brightest pixel there, wherever in a pixel its centre lies, and the noise
-/// of four pixels may take some of it.
+/// A pixel whose neighbours' median reaches this part of it is a star. So is one whose four neighbours across an edge
+/// have this part of it together, ...
 const SHARE: f32 = 0.25;
+/// ... or what noise leaves of this part: a star so sharp that it lights hardly two by two pixels has so much there,
+/// wherever in a pixel its centre lies.
+const SHARPEST: f32 = 1.0 / 3.0;
+/// Noise may take this of the four, one and a quarter of their standard deviation, ...
+const TAKEN: f32 = 2.5;
+/// ... and seldom gives them this, one and three quarters: with less there is no star.
+const GIVEN: f32 = 3.5;
 
 /// Copies the middle of three rows of signal-to-noise to `out`, each spike replaced by the median of its
 /// neighbours. Rows beyond the frame are empty.
@@ -32,12 +37,17 @@ const PIECE: usize = 64;
 fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {
     let [_, row, _] = rows;
     let own = row.get(x).copied().unwrap_or(L::ZERO);
-    let below = |light: L| light < own.scaled(L::Weight::of(SHARE));
-    if own <= L::of(HEIGHT) || !below(across_edges(rows, x)) {
+    let share = |part: f32| own.scaled(L::Weight::of(part));
+    if own <= L::of(HEIGHT) {
+        return own;
+    }
+    let around = across_edges(rows, x);
+    let is_sharp = around >= share(SHARE) || around >= share(SHARPEST) - L::of(TAKEN);
+    if is_sharp && around >= L::of(GIVEN) {
         return own;
     }
     let median = median_around(rows, x);
-    let alone = below(median.positive() + L::ONE);
+    let alone = median.positive() + L::ONE < share(SHARE);
     if own - median > L::of(HEIGHT) && alone { median } else { own }
 }
 
@@ -101,6 +111,18 @@ mod tests {
         assert_eq!(middle(cross(0.06), 100.0), 3.0, "the median of four at 0 and four at 6");
         assert_eq!(middle(cross(0.07), 100.0), 100.0);
         assert_eq!(middle(cross(0.0), 5.0), 5.0, "noise is no spike");
+    }
+
+    /// A pixel of so many noise units whose four neighbours have so many together: what is in its place.
+    fn lit(own: f32, around: f32) -> f32 {
+        middle([[0.0, around / own, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]], own)
+    }
+
+    #[test]
+    fn a_faint_sharp_star_stays_where_noise_has_taken_of_its_light() {
+        assert_eq!([lit(20.0, 4.2), lit(20.0, 4.1)], [20.0, 0.0], "a third less 2.5 is 4.17");
+        assert_eq!([lit(40.0, 10.1), lit(40.0, 9.9)], [40.0, 0.0], "a quarter is 10, a third less 2.5 is 10.83");
+        assert_eq!([lit(12.0, 3.6), lit(12.0, 3.4)], [12.0, 0.0], "noise alone may bring 3.4");
     }
 
     #[test]

@@ -50,13 +50,18 @@ pub(crate) fn centre_on_light<L: Level>(
     walk.pass(regions.len(), 8, |part| {
         for region in some_of(regions, part).iter_mut().filter(|region| region.plateau > 0.0) {
             let middle = middle(field, region);
-            if region.area > WIDE || (region.area > FLAT_AREA && is_flat(light, region, middle)) {
+            if is_wide(region) || (region.area > FLAT_AREA && is_flat(light, region, middle)) {
                 region.centre = middle;
             }
             region.plateau = 0.0;
         }
     })?;
     find_plateaus((walk, crew), light, labels, regions, noise)
+}
+
+/// Whether a source that has been centred is wide.
+pub(crate) fn is_wide<L: Level>(region: &Region<L>) -> bool {
+    region.area > WIDE
 }
 
 fn some_of<L: Level>(regions: &mut [Region<L>], part: Range<usize>) -> &mut [Region<L>] {

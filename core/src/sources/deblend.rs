@@ -11,6 +11,7 @@ use crate::plane::grid::Grid;
 use crate::plane::rows::{last_with, next_with, rows_of_mut, sweep, whole_piece};
 use crate::plane::walk::Walk;
 use crate::sky::photon::grown;
+use crate::sources::centre::is_wide;
 use crate::sources::tree::{Count, Noise, Region};
 use crate::sources::typical::Typical;
 use core::ops::Range;
@@ -43,6 +44,11 @@ fn light_of<L: Level>(regions: &[Region<L>], label: u32) -> L::Sum {
 const OTHER: f32 = 2.0;
 /// The same for a pixel that begins a new source.
 const NEW: f32 = 2.5;
+/// In a group of fewer pixels in a wide host only those count that have [`APART`] times the host's light: galaxies have
+/// knots and lopsided arms, which noise would make sources of in one image and not in the next.
+const KNOT: usize = 16;
+/// See [`KNOT`].
+const APART: f32 = 3.5;
 
 /// The mirror image of a host may lie so far off, in pixels: at the steep rim of a star out of focus this counts.
 const CENTRE: f32 = 0.2;
@@ -221,7 +227,15 @@ pub(crate) fn reopen<L: Level>(
         walk.pass(known, 8, |part| {
             let before = if part.start == 0 { 0 } else { opening.unexplained };
             let explained = explained((field, typical), labels, regions, [opening.host, opening.beside]);
-            let unexplained = group(part).iter().filter(|&&at| significant(at as usize, explained(at as usize)));
+            let knot = region_of(regions, opening.host).filter(|host| is_wide(host) && known < KNOT);
+            let is_of_host = |at: usize| {
+                let mirrored = |host: &Region<L>| field.mirrored(host.centre, at).unwrap_or(L::ZERO);
+                knot.is_some_and(|host| field.at(at) <= mirrored(host).scaled(L::Weight::of(APART)))
+            };
+            let unexplained = group(part)
+                .iter()
+                .map(|&at| at as usize)
+                .filter(|&at| significant(at, explained(at)) && !is_of_host(at));
             opening.unexplained = before.saturating_add(unexplained.count() as u32);
         })?;
         walk.pass(known, 2, |part| {
@@ -624,8 +638,9 @@ mod tests {
 
     const SIDE: usize = 64;
 
-    /// Sources that are opened beside a round one of 1000 in the middle of a frame, by light `beside` it.
-    fn opened<L: Level>(beside: impl Fn(f32, f32) -> f32) -> usize {
+    /// Sources that are opened beside a round one of 1000 in the middle of a frame, by light `beside` it; so many of its
+    /// pixels are above half its peak.
+    fn opened<L: Level>(area: u32, beside: impl Fn(f32, f32) -> f32) -> usize {
         let light = |at: usize| {
             let (x, y) = ((at % SIDE) as f32, (at / SIDE) as f32);
             let squared = (x - 32.0) * (x - 32.0) + (y - 32.0) * (y - 32.0);
@@ -635,7 +650,7 @@ mod tests {
         let field = Field { values: &values, grid: Grid::of(values.len(), SIDE).expect("there are columns") };
         let centre = (L::whole(32), L::whole(32));
         let mut regions = [Region::<L>::BLANK; 9];
-        regions[0] = Region { peak: 32 * 64 + 32, value: L::of(1000.0), area: 9, centre, ..Region::BLANK };
+        regions[0] = Region { peak: 32 * 64 + 32, value: L::of(1000.0), area, centre, ..Region::BLANK };
         let [mut labels, mut queue] = [1, 0].map(|word| std::vec![word; values.len()]);
         let reopening = Reopening {
             field,
@@ -684,7 +699,26 @@ mod tests {
             let (off, to_the_right) = (distance - 16.0, 0.5 + 0.5 * dx / (distance + 1.0));
             8.0 * to_the_right * to_the_right * libm::expf(-off * off / 100.0)
         };
-        assert_eq!([opened::<f32>(star), opened::<Fixed14>(star)], [1; 2]);
-        assert_eq!([opened::<f32>(edge), opened::<Fixed14>(edge)], [0; 2]);
+        assert_eq!([opened::<f32>(9, star), opened::<Fixed14>(9, star)], [1; 2]);
+        assert_eq!([opened::<f32>(9, edge), opened::<Fixed14>(9, edge)], [0; 2]);
+    }
+
+    #[test]
+    fn a_small_knot_is_of_its_galaxy_unless_it_outshines_it_and_a_star_has_none() {
+        // In its middle it has so many times the light of its host.
+        let knot = |times: f32, width: f32| {
+            move |x: f32, y: f32| {
+                let squared = |centre: f32| (x - centre) * (x - centre) + (y - 32.0) * (y - 32.0);
+                let host = 1000.0 * libm::expf(-squared(32.0) / 18.0);
+                host * (times - 1.0) * libm::expf(-squared(41.0) / (2.0 * width * width))
+            }
+        };
+        let [wide, narrow] = [51, 50];
+        let both =
+            |area, beside: &dyn Fn(f32, f32) -> f32| [opened::<f32>(area, beside), opened::<Fixed14>(area, beside)];
+        assert_eq!(both(wide, &knot(3.4, 1.5)), [0; 2]);
+        assert_eq!(both(narrow, &knot(3.4, 1.5)), [1; 2]);
+        assert_eq!(both(wide, &knot(8.0, 1.5)), [1; 2]);
+        assert_eq!(both(wide, &knot(3.4, 4.0)), [1; 2]);
     }
 }

@@ -75,6 +75,19 @@ fn beside_the_border() -> Vec<f32> {
     light
 }
 
+/// Pixels that stand alone or nearly so: around each have its four neighbours from an eighth of its light to half of it.
+fn sharp() -> Vec<f32> {
+    let mut light = gaussian(15, WIDTH * HEIGHT);
+    for n in 0..99 {
+        let (at, own) = ((n / 11 * 13 + 8) * WIDTH + n % 11 * 12 + 9, 11.0 + 0.3 * n as f32);
+        light[at] += own;
+        for (next, part) in [at - 1, at + 1, at - WIDTH, at + WIDTH].into_iter().zip([0.3, 0.25, 0.2, 0.25]) {
+            light[next] += part * own * (0.125 + 0.375 * (n * 37 % 99) as f32 / 99.0);
+        }
+    }
+    light
+}
+
 /// So many stars that no cell has enough sky, on noise of single pixels or of which neighbours share a part.
 fn crowd(noise: &[f32]) -> Vec<f32> {
     let mut light: Vec<f32> = noise.iter().map(|noise| 200.0 + 3.0 * noise).collect();
@@ -92,7 +105,7 @@ fn filled() -> Vec<f32> {
     sky(Kind::Noisy, 9, WIDTH, HEIGHT).into_iter().enumerate().map(seen).collect()
 }
 
-/// Steep galaxies, each with eight knots that have from a little to three times the light of the galaxy below them.
+/// Steep galaxies, each with eight knots that have from twice to five times the light of the galaxy below them.
 fn knots(seed: u64) -> Vec<f32> {
     const SIDE: usize = 160;
     let mut pixels: Vec<f32> = gaussian(seed, SIDE * SIDE).into_iter().map(|noise| 100.0 + noise).collect();
@@ -103,7 +116,7 @@ fn knots(seed: u64) -> Vec<f32> {
             *pixel += 600.0 * (-(x - cx).hypot(y - cy) / 4.0).exp();
             for knot in 0..8 {
                 let (far, angle) = (10.0 + 1.2 * knot as f32, std::f32::consts::FRAC_PI_4 * knot as f32 + 0.3);
-                let draw = (1.7 + 0.3 * draws[8 * galaxy + knot]).clamp(1.2, 2.2);
+                let draw = (2.2 + 0.9 * draws[8 * galaxy + knot]).clamp(1.2, 4.2);
                 let light = draw * 600.0 * (-far / 4.0).exp() + 2.0 + draw;
                 let off = (x - cx - far * angle.cos()).hypot(y - cy - far * angle.sin());
                 *pixel += light * (-off * off / (2.0 * 1.2 * 1.2)).exp();
@@ -132,6 +145,7 @@ fn every_choice_is_the_reference_s() {
         cut_off(),
         coarse(),
         beside_the_border(),
+        sharp(),
         filled(),
     ];
     let default = Config::NOISE_AWARE;

@@ -154,7 +154,12 @@ impl Scene<'_> {
             }
             own + alone(self.image, [host.centre, second_region.centre], self.place(at)).unwrap_or(0.0)
         };
-        let unexplained = group.iter().filter(|&&at| self.exceeds(at, explained(at))).count();
+        let may_be_knot = host.area > 50 && group.len() < 16;
+        let is_of_host = |at: usize| {
+            let opposite = mirrored(self.image, host.centre, self.place(at)).unwrap_or(0.0);
+            may_be_knot && !self.judge.exceeds(self.image.values()[at], 3.5 * opposite)
+        };
+        let unexplained = group.iter().filter(|&&at| self.exceeds(at, explained(at)) && !is_of_host(at)).count();
         let excess =
             |at: usize| self.image.values()[at] - mirrored(self.image, host.centre, self.place(at)).unwrap_or(0.0);
         let peak = group.iter().copied().reduce(|best, at| if excess(at) > excess(best) { at } else { best });

@@ -46,7 +46,8 @@ pub fn without_spikes(signal: &Plane, judge: &Judge) -> Plane {
         let is_spike = judge.exceeds(v, 5.0)
             && judge.exceeds(v - median, 5.0)
             && judge.exceeds(0.25 * v, median.max(0.0) + 1.0)
-            && judge.exceeds(0.25 * v, beside);
+            && (judge.exceeds(3.5, beside)
+                || (judge.exceeds(0.25 * v, beside) && judge.exceeds(v / 3.0 - 2.5, beside)));
         if is_spike { median } else { v }
     })
 }

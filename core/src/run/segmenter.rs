@@ -4,7 +4,7 @@ mod order;
 mod rows;
 
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::{Config, Scheme};
+use crate::config::Config;
 use crate::error::Error;
 use crate::front::bands::{Band, Bands};
 use crate::front::edge::EdgeDetector;
@@ -107,7 +107,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         memory: Memory<'m, A>,
         bands: Bands<'m, A>,
     ) -> Result<Self, Error> {
-        if config.scheme == Scheme::Region {
+        if !config.needs_segmenter() {
             return Err(Error::Front { scheme: config.scheme.name(), mover: "an extractor" });
         }
         let (given, chosen) = (config, Chosen::<A, S>::new(*config));

@@ -8,7 +8,7 @@ use crate::planes::Room;
 use crate::reference::multiphase::{self, Fronts};
 use crate::reference::{self as r, Filtering, Order, Parameters, Plane, Rescale, Scheme};
 use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
-use skyfront_core::config::Config;
+use skyfront_core::config::{self as c, Config};
 use skyfront_core::front::pair;
 use skyfront_core::image::filter::total_variation::components;
 use skyfront_core::run::frame::SliceFrame;
@@ -41,6 +41,10 @@ pub fn walk<A: Arithmetic>(
         if let Progress::Done(outcome) = progress {
             let tau = A::Real::of(outcome.tau).to_f32();
             walk.image_steps(&outcome, f64::from(tau))?;
+            // The front of regions is another's.
+            if config.scheme != c::Scheme::Region {
+                walk.front_steps(&outcome, f64::from(tau));
+            }
             // On signal-to-noise sources are another's concern.
             if !config.sky.is_known() {
                 walk.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
@@ -232,12 +236,11 @@ impl Walk {
         }
     }
 
-    /// Steps 1 to 4 and the front before it moves.
+    /// Steps 1 to 3.
     fn image_steps(&mut self, outcome: &Outcome, tau: f64) -> Result<(), CheckError> {
         self.normalisation(outcome)?;
         let none = self.image.clone();
         let normalised = self.normalised.clone().unwrap_or(none);
-        let last = self.image.clone();
         let into_rescaling = match (self.p.order, &self.filtered) {
             (Order::FilterFirst, Some(filtered)) => filtered.clone(),
             _ => normalised,
@@ -247,13 +250,18 @@ impl Walk {
         if self.filtered.is_some() != (self.p.filter.passes() > 0) {
             self.notes.missing("filtered");
         }
+        Ok(())
+    }
+
+    /// Step 4 and the front before it moves.
+    fn front_steps(&mut self, outcome: &Outcome, tau: f64) {
+        let last = self.image.clone();
         if !self.is_by_regions() {
             self.detector(outcome, &last);
         }
         if self.p.scheme != Scheme::Multiphase {
             self.start(&last, tau);
         }
-        Ok(())
     }
 
     fn is_by_regions(&self) -> bool {

@@ -152,6 +152,21 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
     })
 }
 
+/// An image filtered by itself: normalised, filtered, and in its own units again.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn filtered(parameters: &Parameters, image: &Plane) -> Result<Plane, ReferenceError> {
+    parameters.check()?;
+    let Prepared { range, filtered, .. } = Prepared::of(parameters, image.values(), image.width(), image.height())?;
+    Ok(denormalized(range, &filtered))
+}
+
+/// The image that becomes `normalised` by `range`, clipped to that.
+pub fn denormalized((low, high): (f64, f64), normalised: &Plane) -> Plane {
+    normalised.map(|v| low + (high - low) * v)
+}
+
 /// Steps 1 to 3 of an image.
 struct Prepared {
     range: (f64, f64),

@@ -318,17 +318,47 @@ fn in_f32<L: Level>(plane: &[L]) -> Vec<f32> {
 mod tests {
     use super::*;
     use skyfront_core::arithmetic::F32;
+    use skyfront_core::config::Filter;
     use skyfront_core::run::frame::Frame;
     use skyfront_core::simulate::{Kind, Sky as Simulated};
+
+    fn bright(side: usize) -> Vec<f32> {
+        let (mut sky, mut pixels) = (Simulated::new(Kind::Bright, 7, side, side), vec![0.0; side * side]);
+        for (y, row) in pixels.chunks_exact_mut(side).enumerate() {
+            let Ok(()) = sky.row(y, row);
+        }
+        pixels
+    }
+
+    #[test]
+    fn a_filter_in_steps_has_its_image_and_its_time_and_the_same_bits_however_it_is_driven() {
+        const SIDE: usize = 90;
+        let (pixels, filter) = (bright(SIDE), Filter::Starlet { significance: 3.0 });
+        let config = &Config { filter, filter_steps: 3, ..Config::NOISE_AWARE };
+        let run = |threads: usize, slice: usize| {
+            let mut drive = Drive { threads, slice, keep_stages: true, ..Drive::default() };
+            segment::<F32, f32>(config, &pixels, SIDE, &mut drive).expect("there is a sky")
+        };
+        let once = run(1, usize::MAX);
+        for (threads, slice) in [(3, usize::MAX), (1, 1), (2, 7)] {
+            let other = run(threads, slice);
+            assert_eq!((&other.labels, &other.front, &other.stages), (&once.labels, &once.front, &once.stages));
+        }
+        let stages = [Stage::Photon, Stage::Extremes, Stage::Normalize, Stage::Filter, Stage::Outline];
+        let timed: Vec<Stage> =
+            once.seconds.iter().map(|(stage, _)| *stage).filter(|stage| stages.contains(stage)).collect();
+        assert_eq!(timed, stages);
+        let mut by_need = Drive { keep_stages: true, ..Drive::default() };
+        let by_need = segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut by_need).expect("there is a sky");
+        let [own, other] = [once, by_need].map(|run| run.stages.expect("they were kept"));
+        assert!(own.normalised == other.normalised && own.filtered != other.filtered);
+        assert!(own.filtered.iter().all(|value| value.is_finite()));
+    }
 
     #[test]
     fn a_table_that_is_too_small_is_replaced() {
         const SIDE: usize = 120;
-        let (mut sky, mut pixels) = (Simulated::new(Kind::Bright, 7, SIDE, SIDE), vec![0.0; SIDE * SIDE]);
-        for (y, row) in pixels.chunks_exact_mut(SIDE).enumerate() {
-            let Ok(()) = sky.row(y, row);
-        }
-        let config = &Config::NOISE_AWARE;
+        let (pixels, config) = (bright(SIDE), &Config::NOISE_AWARE);
         let in_one = in_room::<F32, f32>(config, &pixels, SIDE, &mut Drive::default(), 1).expect("there is a sky");
         assert!(in_one.outcome.unlabelled > 0, "one region is too few");
         let run = segment::<F32, f32>(config, &pixels, SIDE, &mut Drive::default()).expect("there is a sky");

@@ -121,7 +121,8 @@ const DEFAULT_STEPS: [&str; 16] = [
 #[test]
 fn the_default_passes_step_by_step() {
     let (_folder, sky) = with_sky("crosscheck-default");
-    for (options, scheme) in [(&[][..], "region"), (&["--preset", "rsa"], "fd")] {
+    let options = [&[][..], &["--filter", "median5"], &["--preset", "rsa"]];
+    for (options, scheme) in options.into_iter().zip(["region", "region", "fd"]) {
         let run = skyfront(["crosscheck", &sky, "--json"].iter().chain(options));
         assert_eq!(run.status.code(), Some(0), "{}{}", text(&run), messages(&run));
         let report: Value = serde_json::from_slice(&run.stdout).expect("JSON and nothing else");
@@ -134,6 +135,8 @@ fn the_default_passes_step_by_step() {
             let steps: Vec<&str> = compared.iter().flat_map(|step| step["step"].as_str()).collect();
             let missing = DEFAULT_STEPS.iter().filter(|step| !steps.contains(step));
             assert_eq!(missing.collect::<Vec<_>>(), [&""; 0], "{check}");
+            let filters = options.contains(&"median5");
+            assert!(["filtered", "smoothed"].iter().all(|step| steps.contains(step) == filters), "{check}");
             assert!(scheme == "region" || STEPS[..11].iter().all(|step| *step == "filtered" || steps.contains(step)));
             assert!(
                 compared[1]["max"].as_f64() > Some(0.0),

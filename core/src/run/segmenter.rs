@@ -256,7 +256,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         }
     }
 
-    fn outcome(&self) -> Outcome {
+    /// What the run has found so far; of several bands, of the one under way.
+    pub fn outcome(&self) -> Outcome {
         let state = &self.state;
         let per_dx = 0.5 / self.config.dx;
         Outcome {
@@ -330,6 +331,11 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let done = self.state.stage == Stage::Done;
         let count = if done { self.outcome().catalogued as usize } else { 0 };
         self.memory.sources.get(..count).unwrap_or(&[])
+    }
+
+    /// Columns and rows of the frame.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
     }
 
     /// The stage under way.

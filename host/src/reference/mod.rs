@@ -56,7 +56,7 @@ pub use rescale::{r1, r2, r3, rescale, threshold};
 pub use segments::{centroids, is_beyond_reach, label, sources};
 pub use settle::settle;
 pub use threshold::{kapur, noise, rosin};
-pub use vector::{Vector, run_in};
+pub use vector::{Vector, near_any, run_in};
 
 /// Everything the algorithm computed on its way, row-major with row 0 first.
 #[derive(Clone, Debug)]

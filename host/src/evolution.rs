@@ -6,11 +6,12 @@ use crate::segmentation::{Drive, Segmentation, StagePlanes, room_for_sources};
 use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
-use skyfront_core::run::frame::BandFrame;
+use skyfront_core::front::scheme::Still;
+use skyfront_core::run::frame::{BandFrame, SliceFrame};
 use skyfront_core::run::outcome::Progress;
 use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::run::stage::Stage;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Segments an image of `width` x `height` pixels, row-major, NaN = undefined, by a front alone.
 ///
@@ -111,4 +112,44 @@ pub fn segment_in<A: Arithmetic>(
         seconds,
         remarks: Vec::new(),
     })
+}
+
+/// An image that was filtered in steps.
+#[derive(Clone, Debug)]
+pub struct Filtered {
+    /// Row-major, in units of the pixels.
+    pub image: Vec<f32>,
+    /// Wall time of each stage.
+    pub seconds: Vec<(Stage, Duration)>,
+}
+
+/// Filters an image of `width` columns, row-major, NaN = undefined, for a front that is not a segmenter's.
+///
+/// # Errors
+/// What the core finds wrong with the configuration or the image.
+pub fn filter_in<A: Arithmetic>(
+    config: &Config,
+    pixels: &[f32],
+    width: usize,
+    drive: &mut Drive<'_>,
+) -> Result<Filtered, Error> {
+    let height = pixels.len() / width.max(1);
+    let mut room = Room::<A>::new(config, width, height, 0);
+    let mut segmenter = Segmenter::<A, Still>::new(config, width, height, room.memory())?;
+    let (mut stage, mut started, mut seconds) = (segmenter.stage(), Instant::now(), Vec::new());
+    let range = loop {
+        let progress = segmenter.poll(drive.slice, &mut SliceFrame(pixels))?;
+        if let Some(watch) = &mut drive.watch {
+            watch(&progress);
+        }
+        if segmenter.stage() != stage {
+            seconds.push((stage, started.elapsed()));
+            (stage, started) = (segmenter.stage(), Instant::now());
+        }
+        if let Progress::Done(outcome) = progress {
+            break outcome.range;
+        }
+    };
+    let image = segmenter.image().iter().map(|&cell| range.pixel(A::pixel(cell).to_f32())).collect();
+    Ok(Filtered { image, seconds })
 }

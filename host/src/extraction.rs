@@ -1,7 +1,7 @@
 //! A run on signal-to-noise on the host: memory, the steps, the catalogue.
 
 use crate::background::SkyMaps;
-use crate::evolution::segment_in;
+use crate::evolution::{Filtered, filter_in, segment_in};
 use crate::nothing::without_front;
 use crate::planes::{SignalRoom, most_room_rows, room_for};
 use crate::remarks;
@@ -114,8 +114,8 @@ fn in_room<A: Arithmetic, L: Level>(
     let (background, noise) = (drive.background, drive.noise);
     let known = Known { background, noise, relative: drive.relative, whole: drive.whole, ..Known::default() };
     let mut run = Extractor::new(config, pixels, width, known, room.workspace())?;
-    let (crew, mut seconds, mut moved) = (Threads(drive.threads), Vec::new(), None);
-    let (mut front, mut stages) = (Vec::new(), None);
+    let (crew, mut seconds) = (Threads(drive.threads), Vec::new());
+    let (mut smoothed, mut moved, mut front, mut stages) = (None, None, Vec::new(), None);
     let found = loop {
         let started = Instant::now();
         match run.progress() {
@@ -128,8 +128,15 @@ fn in_room<A: Arithmetic, L: Level>(
                 seconds.push((stage, started.elapsed()));
                 if stage == Stage::Outline {
                     front = give_front(&run, drive);
-                    stages = drive.keep_stages.then(|| stages_of(&run));
+                    stages = drive.keep_stages.then(|| stages_of(&run, smoothed.as_ref()));
                 }
+            }
+            Progress::Filter => {
+                let image = in_f32(run.image());
+                let filtered = filter_in::<A>(config, &image, width, drive)?;
+                run.start_from(|at| filtered.image[at]);
+                seconds.extend(filtered.seconds.iter().copied());
+                smoothed = Some(filtered);
             }
             Progress::Front => {
                 let evolved = move_front::<A, L>(config, &run, width, drive)?;
@@ -142,7 +149,7 @@ fn in_room<A: Arithmetic, L: Level>(
     let SignalRoom { levels: [signal, fine, smooth], labels, mut mesh, regions, .. } = room;
     drop(signal);
     let mesh = Mesh::over(&mut mesh, image, config.sky.cell());
-    let mut sky = SkyMaps::of(&mesh, width, origin, [fine, smooth].map(in_f32), &crew);
+    let mut sky = SkyMaps::of(&mesh, width, origin, [fine, smooth].map(into_f32), &crew);
     // Nothing is measured in what was never observed.
     if found.values.filled > 0 {
         let unseen = sky.noise.iter_mut().zip(pixels).filter(|(_, pixel)| **pixel == found.values.fill);
@@ -247,13 +254,14 @@ fn give_front<L: Level>(run: &Extractor<'_, '_, L>, drive: &mut Drive<'_>) -> Ve
     }
 }
 
-/// What the steps up to the front have left.
-fn stages_of<L: Level>(run: &Extractor<'_, '_, L>) -> StagePlanes {
+/// What the steps up to the front have left, with what a filter in steps did.
+fn stages_of<L: Level>(run: &Extractor<'_, '_, L>, filtered: Option<&Filtered>) -> StagePlanes {
     let (work, unit) = (run.work(), |value: &L| shown::unit(&value.to_f32()));
+    let by_need = || work.smooth.iter().map(unit).collect();
     StagePlanes {
         normalised: work.signal.iter().map(unit).collect(),
         rescaled: Vec::new(),
-        filtered: work.smooth.iter().map(unit).collect(),
+        filtered: filtered.map_or_else(by_need, |filtered| filtered.image.iter().map(shown::unit).collect()),
         edge: (0..work.signal.len()).map(|at| f32::from(u8::from(Mask(work.masked).has(at)))).collect(),
     }
 }
@@ -265,7 +273,7 @@ fn move_front<A: Arithmetic, L: Level>(
     width: usize,
     drive: &mut Drive<'_>,
 ) -> Result<Segmentation, Error> {
-    let image: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
+    let image = in_f32(run.image());
     // The run needs the front itself before anyone else may have it.
     let take_front = drive.take_front.take();
     let evolved = segment_in::<A>(config, &image, width, image.len() / width.max(1), drive);
@@ -297,25 +305,60 @@ fn with_front(run: Segmentation, found: &Found, moved: Option<Segmentation>) -> 
 }
 
 /// A plane in single precision, in its own memory.
-fn in_f32<L: Level>(plane: Vec<L>) -> Vec<f32> {
+fn into_f32<L: Level>(plane: Vec<L>) -> Vec<f32> {
     plane.into_iter().map(L::to_f32).collect()
+}
+
+/// A copy of a plane in single precision.
+fn in_f32<L: Level>(plane: &[L]) -> Vec<f32> {
+    plane.iter().map(|value| value.to_f32()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use skyfront_core::arithmetic::F32;
+    use skyfront_core::config::Filter;
     use skyfront_core::run::frame::Frame;
     use skyfront_core::simulate::{Kind, Sky as Simulated};
+
+    fn bright(side: usize) -> Vec<f32> {
+        let (mut sky, mut pixels) = (Simulated::new(Kind::Bright, 7, side, side), vec![0.0; side * side]);
+        for (y, row) in pixels.chunks_exact_mut(side).enumerate() {
+            let Ok(()) = sky.row(y, row);
+        }
+        pixels
+    }
+
+    #[test]
+    fn a_filter_in_steps_has_its_image_and_its_time_and_the_same_bits_however_it_is_driven() {
+        const SIDE: usize = 90;
+        let (pixels, filter) = (bright(SIDE), Filter::Starlet { significance: 3.0 });
+        let config = &Config { filter, filter_steps: 3, ..Config::NOISE_AWARE };
+        let run = |threads: usize, slice: usize| {
+            let mut drive = Drive { threads, slice, keep_stages: true, ..Drive::default() };
+            segment::<F32, f32>(config, &pixels, SIDE, &mut drive).expect("there is a sky")
+        };
+        let once = run(1, usize::MAX);
+        for (threads, slice) in [(3, usize::MAX), (1, 1), (2, 7)] {
+            let other = run(threads, slice);
+            assert_eq!((&other.labels, &other.front, &other.stages), (&once.labels, &once.front, &once.stages));
+        }
+        let stages = [Stage::Photon, Stage::Extremes, Stage::Normalize, Stage::Filter, Stage::Outline];
+        let timed: Vec<Stage> =
+            once.seconds.iter().map(|(stage, _)| *stage).filter(|stage| stages.contains(stage)).collect();
+        assert_eq!(timed, stages);
+        let mut by_need = Drive { keep_stages: true, ..Drive::default() };
+        let by_need = segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut by_need).expect("there is a sky");
+        let [own, other] = [once, by_need].map(|run| run.stages.expect("they were kept"));
+        assert!(own.normalised == other.normalised && own.filtered != other.filtered);
+        assert!(own.filtered.iter().all(|value| value.is_finite()));
+    }
 
     #[test]
     fn a_table_that_is_too_small_is_replaced() {
         const SIDE: usize = 120;
-        let (mut sky, mut pixels) = (Simulated::new(Kind::Bright, 7, SIDE, SIDE), vec![0.0; SIDE * SIDE]);
-        for (y, row) in pixels.chunks_exact_mut(SIDE).enumerate() {
-            let Ok(()) = sky.row(y, row);
-        }
-        let config = &Config::NOISE_AWARE;
+        let (pixels, config) = (bright(SIDE), &Config::NOISE_AWARE);
         let in_one = in_room::<F32, f32>(config, &pixels, SIDE, &mut Drive::default(), 1).expect("there is a sky");
         assert!(in_one.outcome.unlabelled > 0, "one region is too few");
         let run = segment::<F32, f32>(config, &pixels, SIDE, &mut Drive::default()).expect("there is a sky");

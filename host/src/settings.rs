@@ -33,7 +33,7 @@ pub fn apply(mut config: Config, given: &[(&'static Parameter, Value)]) -> Resul
 
 /// An option that the chosen steps do not use.
 #[derive(Debug, thiserror::Error)]
-#[error("--{name} is not used by --{choice} {chosen}; it needs --{choice} {wanted}{}", has(.preset))]
+#[error("--{name} is not used by --{choice} {chosen}; it needs {wanted}{}", has(.preset))]
 pub struct Unused {
     /// The option.
     pub name: &'static str,
@@ -41,7 +41,7 @@ pub struct Unused {
     pub choice: &'static str,
     /// What was chosen there.
     pub chosen: String,
-    /// The words that would use it, as text.
+    /// The choices that would use it, as text.
     pub wanted: String,
     /// The first preset that uses it.
     pub preset: Option<&'static str>,
@@ -54,7 +54,7 @@ impl Unused {
             name: parameter.name,
             choice: need.name,
             chosen: chosen.and_then(|value| value.word).unwrap_or_default().to_owned(),
-            wanted: wanted(need),
+            wanted: choices(need),
             preset: preset_with(parameter),
         }
     }
@@ -67,6 +67,12 @@ fn preset_with(parameter: &Parameter) -> Option<&'static str> {
 
 fn has(preset: &Option<&str>) -> String {
     preset.map(|name| format!(", as --preset {name} has")).unwrap_or_default()
+}
+
+/// The choices of which each is enough.
+fn choices(need: &Need) -> String {
+    let choices: Vec<String> = need.choices().map(|need| format!("--{} {}", need.name, wanted(need))).collect();
+    choices.join(", or ")
 }
 
 /// The words of a choice that serve; where all do but one, that one.
@@ -104,7 +110,7 @@ pub fn notes(parameter: &Parameter) -> Vec<String> {
 
 /// With which choice a parameter is used.
 fn uses(parameter: &Parameter) -> Option<String> {
-    let needs: Vec<String> = parameter.needs.iter().map(|need| format!("--{} {}", need.name, wanted(need))).collect();
+    let needs: Vec<String> = parameter.needs.iter().map(choices).collect();
     (!needs.is_empty()).then(|| format!("with {}", needs.join(" and ")))
 }
 

@@ -29,7 +29,7 @@ def options(front, name):
     """The options for a front with a filter; None where they do not go together."""
     words = FRONTS[front]
     if name in STEPPED:
-        return None if front == "the default" else f"{words} --filter {name}"
+        return f"{words} --filter {name}"
     # Without a sky there are no smoothed planes; what is no step has no order.
     if front in ["the paper's setting", "two planes"] and name != "none" or front == "fd, rescaled first":
         return None

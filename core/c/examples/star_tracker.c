@@ -30,6 +30,53 @@ static void draw(void)
   }
 }
 
+static unsigned long crc(const void *bytes, size_t count)
+{
+  return (unsigned long)skyfront_crc32((const uint8_t *)bytes, count);
+}
+
+/* The whole frame, for a tracker that does not know yet where it looks: sources, and what they measure. */
+static int32_t search(const skyfront_camera *camera, const skyfront_bad_pixel *bad)
+{
+  enum { MOST = 64 };
+  static uint64_t memory[32768], sums[4096];
+  static skyfront_measured sources[MOST];
+  static uint32_t labels[HEIGHT][WIDTH];
+  const skyfront_search_setup setup = {
+    .pixels_u16 = frame, .width = WIDTH, .height = HEIGHT, .stride = STRIDE, .regions = 200,
+    .bad_pixels = bad, .bad_pixel_count = 1, .camera = camera,
+  };
+  skyfront_search *run = NULL;
+  skyfront_search_progress progress = {.done = 0};
+  uint32_t done = 0;
+  char message[96] = "";
+  int32_t error = skyfront_search_start(memory, sizeof memory, &setup, &run, message, sizeof message);
+  while (error == SKYFRONT_OK && !progress.done) {
+    error = skyfront_search_poll(run, 8, &progress);
+    /* Other tasks have their turn here. */
+  }
+  for (size_t y = 0; error == SKYFRONT_OK && y < HEIGHT; y++) {
+    error = skyfront_search_labels(run, y, labels[y]);
+  }
+  if (error == SKYFRONT_OK) {
+    error = skyfront_search_measure_start(run, sums, sizeof sums);
+  }
+  while (error == SKYFRONT_OK && !done) {
+    error = skyfront_search_measure(run, 8, &done);
+  }
+  for (size_t at = 0; error == SKYFRONT_OK && at < progress.sources && at < MOST; at++) {
+    error = skyfront_search_source(run, at, &sources[at]);
+  }
+  if (error != SKYFRONT_OK) {
+    printf("error %s: %s\n", skyfront_error_text(error), message);
+    return error;
+  }
+  printf("resource search %lu sources\n", (unsigned long)progress.sources);
+  printf("digest c/search/labels %08lx\n", crc(labels, sizeof labels));
+  printf("digest c/search/sources %08lx\n", crc(sources, sizeof sources));
+  return SKYFRONT_OK;
+}
+
 int main(void)
 {
   const skyfront_camera camera = {.black = 64, .gain = 2, .read_noise = 7, .saturation = 4095, .psf_sigma = 1.1f};
@@ -56,7 +103,7 @@ int main(void)
   }
   printf("resource stars %lu stars\n", found);
   /* The records are the same bytes on every little-endian machine. */
-  printf("digest c/track/stars %08lx\n", (unsigned long)skyfront_crc32((const uint8_t *)stars, sizeof stars));
+  printf("digest c/track/stars %08lx\n", crc(stars, sizeof stars));
   /* What goes to the ground: packets of at most 128 bytes, here together in one stretch of memory. Each is written over
      the checksum of the one before, because a checksum over that too is the same whatever the packet holds. */
   static uint8_t sent[96 * 128];
@@ -72,8 +119,8 @@ int main(void)
     error = skyfront_packet_cutouts_u16(&cursor, frame, WIDTH, HEIGHT, STRIDE, windows, STARS, sent + all, 128, &length);
     all += length > 0 ? length - 4 : 0;
   }
-  printf("digest c/track/packets %08lx\n", (unsigned long)skyfront_crc32(sent, all));
-  if (error != SKYFRONT_OK || length > 0) {
+  printf("digest c/track/packets %08lx\n", crc(sent, all));
+  if (error != SKYFRONT_OK || length > 0 || search(&camera, bad) != SKYFRONT_OK) {
     return 1;
   }
   printf("done\n");

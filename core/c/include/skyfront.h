@@ -22,6 +22,36 @@
 #define SKYFRONT_INTERFACE 1
 
 /*
+ The source touches the edge of the frame.
+ */
+#define SKYFRONT_SOURCE_TRUNCATED 1
+
+/*
+ A pixel reaches the camera's saturation.
+ */
+#define SKYFRONT_SOURCE_SATURATED 2
+
+/*
+ A pixel touches one that is listed as bad.
+ */
+#define SKYFRONT_SOURCE_MASKED 4
+
+/*
+ The source was divided from another one.
+ */
+#define SKYFRONT_SOURCE_BLENDED 8
+
+/*
+ No pixel stands above the sky: place and extent are those of the pixels.
+ */
+#define SKYFRONT_SOURCE_NO_FLUX 64
+
+/*
+ The source ends in a plateau, as a saturated star does.
+ */
+#define SKYFRONT_SOURCE_PLATEAU 1024
+
+/*
  No error.
  */
 #define SKYFRONT_OK 0
@@ -200,6 +230,93 @@ typedef struct skyfront_run skyfront_run;
  A run of the default, in the caller's memory.
  */
 typedef struct skyfront_search skyfront_search;
+
+/*
+ What a source of the default measures above the sky, in 144 bytes. Errors count the noise of its light where the
+ camera is known.
+ */
+typedef struct skyfront_measured {
+  /*
+   Its label in the map, from 1.
+   */
+  uint32_t label;
+  /*
+   Pixels.
+   */
+  uint32_t area;
+  /*
+   Sum of SKYFRONT_SOURCE_....
+   */
+  uint32_t flags;
+  /*
+   Its greatest pixel, counts; NaN where all are bad.
+   */
+  float peak;
+  /*
+   Column and row of the first such pixel.
+   */
+  uint32_t peak_place[2];
+  /*
+   First and last column.
+   */
+  uint32_t columns[2];
+  /*
+   First and last row.
+   */
+  uint32_t rows[2];
+  /*
+   Light above the sky, counts.
+   */
+  double flux;
+  /*
+   Its standard deviation, counts.
+   */
+  double flux_error;
+  /*
+   Column of the centre, pixels.
+   */
+  double x;
+  /*
+   Row of the centre, pixels.
+   */
+  double y;
+  /*
+   Variance of the column, pixels^2; NaN where nothing stands above the sky, as the next two.
+   */
+  double errx2;
+  /*
+   Variance of the row, pixels^2.
+   */
+  double erry2;
+  /*
+   Covariance of column and row, pixels^2.
+   */
+  double errxy;
+  /*
+   Second moment along the columns, pixels^2.
+   */
+  double x2;
+  /*
+   Second moment along the rows, pixels^2.
+   */
+  double y2;
+  /*
+   The mixed second moment, pixels^2.
+   */
+  double xy;
+  /*
+   Mean sky, counts.
+   */
+  double background;
+  /*
+   Mean standard deviation of the sky, counts.
+   */
+  double noise;
+  /*
+   Mean of the pixels along the outline above the sky, counts.
+   */
+  double threshold;
+} skyfront_measured;
 
 /*
  Where the next packet of a product begins: {number of the product} before the first. A copy of it writes a
@@ -448,6 +565,32 @@ typedef struct skyfront_bad_pixel {
 } skyfront_bad_pixel;
 
 /*
+ What is known of the camera.
+ */
+typedef struct skyfront_camera {
+  /*
+   The value of a pixel without light, counts, 0 to 65536.
+   */
+  float black;
+  /*
+   Electrons per count, 0.001 to 10^6.
+   */
+  float gain;
+  /*
+   Noise of a pixel without light, electrons, 0 to 10^6.
+   */
+  float read_noise;
+  /*
+   Pixels from this value on are saturated, counts, 0 to 65536.
+   */
+  float saturation;
+  /*
+   Standard deviation of a star's image, pixels, 0.5 to 3.
+   */
+  float psf_sigma;
+} skyfront_camera;
+
+/*
  What a run of the default is to work on.
  */
 typedef struct skyfront_search_setup {
@@ -491,6 +634,11 @@ typedef struct skyfront_search_setup {
    How many.
    */
   size_t setting_count;
+  /*
+   What is known of the camera, copied: its gain counts in the errors of sources, its saturation in their flags; the
+   sky, its noise and the width of stars are measured. Null where nothing is.
+   */
+  const struct skyfront_camera *camera;
 } skyfront_search_setup;
 
 /*
@@ -537,32 +685,6 @@ typedef int32_t (*skyfront_read)(void *context,
                                  uint8_t *bytes,
                                  size_t count);
 
-/*
- What is known of the camera.
- */
-typedef struct skyfront_camera {
-  /*
-   The value of a pixel without light, counts, 0 to 65536.
-   */
-  float black;
-  /*
-   Electrons per count, 0.001 to 10^6.
-   */
-  float gain;
-  /*
-   Noise of a pixel without light, electrons, 0 to 10^6.
-   */
-  float read_noise;
-  /*
-   Pixels from this value on are saturated, counts, 0 to 65536.
-   */
-  float saturation;
-  /*
-   Standard deviation of a star's image, pixels, 0.5 to 3.
-   */
-  float psf_sigma;
-} skyfront_camera;
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -580,6 +702,44 @@ uint32_t skyfront_interface(void);
  */
 uint32_t skyfront_crc32(const uint8_t *bytes,
                         size_t count);
+
+/*
+ Bytes that the catalogue of so many sources needs; 0 where they cannot be counted.
+ */
+size_t skyfront_catalogue_bytes(size_t sources);
+
+/*
+ Begins to measure the sources of a run of the default that has ended, in `memory` of at least
+ `skyfront_catalogue_bytes()` bytes for them, which belongs to the run until another catalogue is begun; a run that
+ takes up a snapshot has none.
+
+ # Safety
+ `search` was started; `memory` points to `bytes` bytes.
+ */
+int32_t skyfront_search_measure_start(struct skyfront_search *search,
+                                      void *memory,
+                                      size_t bytes);
+
+/*
+ Measures at most `rows` rows of the frame, or as many pieces of sources as these have pixels; `done` takes 1 when all
+ is measured, else 0, and may be null. The same numbers come out whatever the slices.
+
+ # Safety
+ `search` was started.
+ */
+int32_t skyfront_search_measure(struct skyfront_search *search,
+                                size_t rows,
+                                uint32_t *done);
+
+/*
+ Source `index`, from 0, of a catalogue that is measured: that of label `index + 1`.
+
+ # Safety
+ `search` was started; `source` points to a record.
+ */
+int32_t skyfront_search_source(const struct skyfront_search *search,
+                               size_t index,
+                               struct skyfront_measured *source);
 
 /*
  What a number says, as a text that stays; "unknown error" for a number that is none.

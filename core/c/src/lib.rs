@@ -23,6 +23,7 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+mod catalogue;
 mod error;
 mod memory;
 mod packet;
@@ -31,6 +32,7 @@ mod run;
 mod search;
 mod track;
 
+pub use catalogue::*;
 pub use error::*;
 pub use packet::*;
 pub use run::*;

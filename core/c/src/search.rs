@@ -1,17 +1,19 @@
 //! The default in slices of bounded work, in one block of the caller's memory: what finds most.
 
+use crate::catalogue::Catalogue;
 use crate::error::{
-    Message, SKYFRONT_ERROR_FRAME, SKYFRONT_ERROR_INDEX, SKYFRONT_ERROR_LENGTH, SKYFRONT_ERROR_NOT_DONE,
-    SKYFRONT_ERROR_NOT_RESTORED, SKYFRONT_ERROR_POINTER, SKYFRONT_OK, number,
+    Message, SKYFRONT_ERROR_FRAME, SKYFRONT_ERROR_FRONT, SKYFRONT_ERROR_INDEX, SKYFRONT_ERROR_LENGTH,
+    SKYFRONT_ERROR_NOT_DONE, SKYFRONT_ERROR_NOT_RESTORED, SKYFRONT_ERROR_POINTER, SKYFRONT_OK, number,
 };
 use crate::memory::{ALIGNMENT, Block};
 use crate::pointer::{pixels_of, slice, slice_mut};
 use crate::run::{begin, set, skyfront_setting, tell};
-use crate::track::skyfront_bad_pixel;
+use crate::track::{skyfront_bad_pixel, skyfront_camera};
 use core::ffi::{c_char, c_void};
 use core::sync::atomic::{AtomicU8, AtomicU16};
 use skyfront_core::config::Config;
 use skyfront_core::error::Error;
+use skyfront_core::plane::camera::Camera;
 use skyfront_core::plane::mask::mask_words;
 use skyfront_core::plane::raster::{BadPixel, Raster, Sample};
 use skyfront_core::plane::smooth::ROOM_ROWS;
@@ -22,16 +24,19 @@ use skyfront_core::sky::{Sky, mesh_cells};
 use skyfront_core::sources::tree::Region;
 
 /// The two widths of pixels.
-enum Search {
+pub(crate) enum Search {
     Words(Extractor<'static, 'static, f32, AtomicU16>),
     Bytes(Extractor<'static, 'static, f32, AtomicU8>),
 }
 
 /// A run of the default, in the caller's memory.
 pub struct skyfront_search {
-    search: Search,
-    size: (usize, usize),
-    is_done: bool,
+    pub(crate) search: Search,
+    pub(crate) size: (usize, usize),
+    /// How many sources there are, once the run has ended.
+    pub(crate) sources: Option<u32>,
+    pub(crate) gain: Option<f64>,
+    pub(crate) catalogue: Option<Catalogue>,
 }
 
 /// What a run of the default is to work on.
@@ -58,6 +63,9 @@ pub struct skyfront_search_setup {
     pub settings: *const skyfront_setting,
     /// How many.
     pub setting_count: usize,
+    /// What is known of the camera, copied: its gain counts in the errors of sources, its saturation in their flags; the
+    /// sky, its noise and the width of stars are measured. Null where nothing is.
+    pub camera: *const skyfront_camera,
 }
 
 /// How far a run of the default is, and at its end what it found.
@@ -87,8 +95,8 @@ pub type skyfront_read = Option<unsafe extern "C" fn(context: *mut c_void, bytes
 #[unsafe(no_mangle)]
 pub extern "C" fn skyfront_search_bytes(width: usize, height: usize, regions: usize) -> usize {
     const MOST: usize = u16::MAX as usize;
-    /// What the alignment of eleven pieces may cost.
-    const PADDING: u128 = 12 * ALIGNMENT as u128;
+    /// What the alignment of twelve pieces may cost.
+    const PADDING: u128 = 13 * ALIGNMENT as u128;
     if width > MOST || height > MOST {
         return 0;
     }
@@ -98,7 +106,8 @@ pub extern "C" fn skyfront_search_bytes(width: usize, height: usize, regions: us
     let mesh = (mesh_cells(width, height, 1) as u128).saturating_mul(size_of::<Sky>() as u128);
     let table = (room_for(width, height, regions) as u128).saturating_mul(size_of::<Region<f32>>() as u128);
     let bytes = words.saturating_mul(4).saturating_add(mesh).saturating_add(table);
-    let bytes = bytes.saturating_add(size_of::<skyfront_search>() as u128).saturating_add(PADDING);
+    let once = (size_of::<skyfront_search>() as u128).saturating_add(size_of::<Camera>() as u128);
+    let bytes = bytes.saturating_add(once).saturating_add(PADDING);
     if bytes > isize::MAX as u128 { 0 } else { bytes as usize }
 }
 
@@ -150,35 +159,51 @@ unsafe fn start(
             slice(setup.pixels_u16.cast::<AtomicU16>(), count),
             slice(setup.pixels_u8.cast::<AtomicU8>(), count),
             slice(setup.bad_pixels.cast::<BadPixel>(), setup.bad_pixel_count),
+            slice(setup.camera, usize::from(!setup.camera.is_null())),
         )
     };
+    if config.needs_segmenter() {
+        tell(message, &"fronts but the region's, and filters in steps, go over signal-to-noise in Rust only");
+        return Err(SKYFRONT_ERROR_FRONT);
+    }
+    let (words, bytes, bad, Some(camera)) = given else { return Err(SKYFRONT_ERROR_POINTER) };
+    let gain = camera.first().map(|camera| f64::from(camera.gain));
     let place = block.take::<skyfront_search>(1);
-    let (Some(place), Some(work)) = (place, workspace(&mut block, setup, config.sky.cell())) else {
+    let camera =
+        camera.first().map_or(Some(None), |camera| block.filled(1, camera_of(camera)).map(|copy| copy.first()));
+    let work = workspace(&mut block, setup, config.sky.cell());
+    let (Some(place), Some(camera), Some(work)) = (place, camera, work) else {
         let needed = skyfront_search_bytes(width, height, setup.regions);
         tell(message, &format_args!("{needed} bytes are needed"));
         return Err(SKYFRONT_ERROR_LENGTH);
     };
     let over = |error: Error| number(&error);
-    let search = match given {
-        (Some(words), None, Some(bad)) => searched(&config, words, setup, bad, work).map(Search::Words),
-        (None, Some(bytes), Some(bad)) => searched(&config, bytes, setup, bad, work).map(Search::Bytes),
+    let known = |bad| Known { bad, camera, ..Known::default() };
+    let search = match (words, bytes, bad) {
+        (Some(words), None, Some(bad)) => searched(&config, words, setup, known(bad), work).map(Search::Words),
+        (None, Some(bytes), Some(bad)) => searched(&config, bytes, setup, known(bad), work).map(Search::Bytes),
         _ => return Err(SKYFRONT_ERROR_POINTER),
     };
     let search = search.inspect_err(|error| tell(message, error)).map_err(over)?;
     // SAFETY: the place is aligned and has room for one run.
-    unsafe { place.write(skyfront_search { search, size: (width, height), is_done: false }) };
+    unsafe { place.write(skyfront_search { search, size: (width, height), sources: None, gain, catalogue: None }) };
     Ok(place)
+}
+
+fn camera_of(camera: &skyfront_camera) -> Camera {
+    let &skyfront_camera { black, gain, read_noise, saturation, psf_sigma } = camera;
+    Camera { black, gain, read_noise, saturation, psf_sigma }
 }
 
 fn searched<P: Sample>(
     config: &Config,
     pixels: &'static [P],
     setup: &skyfront_search_setup,
-    bad: &'static [BadPixel],
+    known: Known<'static>,
     work: Workspace<'static, f32>,
 ) -> Result<Extractor<'static, 'static, f32, P>, Error> {
     let frame = Raster::new(pixels, setup.width, setup.height, setup.stride)?;
-    Extractor::over(config, frame, Known { bad, ..Known::default() }, work)
+    Extractor::over(config, frame, known, work)
 }
 
 /// The memory of a run; none where the block is too small.
@@ -225,7 +250,7 @@ pub unsafe extern "C" fn skyfront_search_poll(
     match polled {
         Err(error) => return number(&error),
         Ok(Progress::Done(Found { sources, mask_pixels, unlabelled, .. })) => {
-            search.is_done = true;
+            search.sources = Some(sources);
             now = skyfront_search_progress { done: 1, sources, mask_pixels, unlabelled, ..now };
         }
         Ok(_) => {}
@@ -244,7 +269,7 @@ pub unsafe extern "C" fn skyfront_search_poll(
 pub unsafe extern "C" fn skyfront_search_labels(search: *const skyfront_search, y: usize, labels: *mut u32) -> i32 {
     // SAFETY: the caller's promise.
     let Some(search) = (unsafe { search.as_ref() }) else { return SKYFRONT_ERROR_POINTER };
-    if !search.is_done {
+    if search.sources.is_none() {
         return SKYFRONT_ERROR_NOT_DONE;
     }
     let width = search.size.0;
@@ -310,7 +335,7 @@ pub unsafe extern "C" fn skyfront_search_restore(
         Search::Words(run) => run.restore(from).is_ok(),
         Search::Bytes(run) => run.restore(from).is_ok(),
     };
-    search.is_done = false;
+    (search.sources, search.catalogue) = (None, None);
     if restored { SKYFRONT_OK } else { SKYFRONT_ERROR_NOT_RESTORED }
 }
 
@@ -320,10 +345,13 @@ mod tests {
 
     extern crate std;
     use super::*;
+    use crate::catalogue::*;
     use crate::error::SKYFRONT_ERROR_FRAME_CHANGED;
     use core::ptr::{null, null_mut};
+    use skyfront_core::run::extract::catalogue::Measuring;
     use skyfront_core::run::frame::Frame;
     use skyfront_core::simulate::{Kind, Sky as Simulated};
+    use skyfront_core::sources::measure::Sums;
     use std::vec;
     use std::vec::Vec;
 
@@ -353,6 +381,7 @@ mod tests {
         bad_pixel_count: 1,
         settings: null(),
         setting_count: 0,
+        camera: null(),
     };
 
     /// Memory of a run, aligned as memory for anything is.
@@ -400,6 +429,137 @@ mod tests {
         let setup = skyfront_search_setup { pixels_u8: bytes.as_ptr(), ..SETUP };
         let found = started(&mut memory, &setup).and_then(|search| labels(search, 100)).expect("sources");
         assert!(found == expected);
+    }
+
+    const CAMERA: skyfront_camera =
+        skyfront_camera { black: 10.0, gain: 2.0, read_noise: 5.0, saturation: 100.0, psf_sigma: 1.0 };
+
+    /// The catalogue in slices of so many rows, in memory for so many sources.
+    fn catalogue(search: *mut skyfront_search, rows: usize, room: usize) -> Result<Vec<skyfront_measured>, i32> {
+        let (mut memory, mut done) = (vec![0u64; skyfront_catalogue_bytes(room) / 8 + 1], 0);
+        let (mut source, mut sources) = (skyfront_measured::default(), Vec::new());
+        let bytes = size_of_val(&memory[..]);
+        // SAFETY: the run was started, and the memory lives until the last source is told.
+        unsafe {
+            let ok = |result: i32| if result == SKYFRONT_OK { Ok(()) } else { Err(result) };
+            ok(skyfront_search_measure_start(search, memory.as_mut_ptr().cast(), bytes))?;
+            assert_eq!(skyfront_search_source(search, 0, &mut source), SKYFRONT_ERROR_NOT_DONE);
+            while done == 0 {
+                ok(skyfront_search_measure(search, rows, &mut done))?;
+            }
+            assert_eq!(skyfront_search_measure(search, rows, null_mut()), SKYFRONT_OK, "again");
+            for index in 0.. {
+                match skyfront_search_source(search, index, &mut source) {
+                    SKYFRONT_OK => sources.push(source),
+                    error => {
+                        assert_eq!(error, SKYFRONT_ERROR_INDEX);
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(sources)
+    }
+
+    /// The catalogue that the core has of the same frame.
+    fn expected(words: &[u16], camera: &Camera) -> Vec<Sums> {
+        let memory = vec![0u64; skyfront_search_bytes(WIDTH, HEIGHT, 0) / 8 + 1].leak();
+        // SAFETY: the memory is this run's alone.
+        let mut block = unsafe { Block::new(memory.as_mut_ptr().cast(), size_of_val(memory)) };
+        let work = workspace(&mut block, &SETUP, Config::NOISE_AWARE.sky.cell()).expect("room");
+        let frame = Raster::new(words, WIDTH, HEIGHT, STRIDE).expect("a frame");
+        let bad = [BadPixel { x: 9, y: 3 }];
+        let known = Known { bad: &bad, camera: Some(camera), ..Known::default() };
+        let mut run = Extractor::over(&Config::NOISE_AWARE, frame, known, work).expect("room");
+        let found = loop {
+            if let Progress::Done(found) = run.poll(usize::MAX).expect("a sky with noise") {
+                break found;
+            }
+        };
+        let mut sums = vec![Sums::EMPTY; found.sources as usize];
+        assert_eq!(run.measure(&mut Measuring::default(), usize::MAX, &mut sums), Ok(true));
+        sums
+    }
+
+    #[test]
+    fn the_catalogue_is_the_core_s_in_slices_of_any_size() {
+        let (words, mut memory) = (counts(), memory());
+        let setup = skyfront_search_setup { pixels_u16: words.as_ptr(), camera: &CAMERA, ..SETUP };
+        let search = started(&mut memory, &setup).expect("memory enough");
+        assert_eq!(catalogue(search, 1, 100), Err(SKYFRONT_ERROR_NOT_DONE));
+        let all = labels(search, 100).expect("sources");
+        let expected = expected(&words, &camera_of(&CAMERA));
+        for rows in [1, 7, 1000] {
+            let found = catalogue(search, rows, 100).expect("sources");
+            assert_eq!(found.len(), expected.len());
+            for (label, (source, sums)) in (1u32..).zip(found.iter().zip(&expected)) {
+                let (centre, flux, levels) = (sums.centroid(), sums.flux(Some(2.0)), sums.levels());
+                assert_eq!((source.label, source.area, source.flags), (label, sums.area, sums.flags()));
+                assert_eq!(source.area as usize, all.iter().filter(|&&other| other == label).count());
+                assert_eq!((source.columns, source.rows), (sums.columns.into(), sums.rows.into()));
+                assert_eq!(Some((source.peak, source.peak_place.into())), sums.peak);
+                assert_eq!(
+                    (source.flux, source.flux_error, source.x, source.y),
+                    (flux.value, flux.error, centre.x, centre.y)
+                );
+                assert_eq!((source.errx2, source.erry2, source.errxy), centre.errors);
+                assert_eq!((source.x2, source.y2, source.xy), centre.moments);
+                assert_eq!(
+                    (source.background, source.noise, source.threshold),
+                    (levels.background, levels.noise, levels.threshold)
+                );
+            }
+        }
+        // The camera is heard: without one nothing is saturated, and light has no noise of its own.
+        let with = catalogue(search, 9, 100).expect("sources");
+        let setup = skyfront_search_setup { camera: null(), ..setup };
+        let search = started(&mut memory, &setup).expect("memory enough");
+        assert_eq!(labels(search, 9), Ok(all));
+        let without = catalogue(search, 9, 100).expect("sources");
+        let saturated = |sources: &[skyfront_measured]| {
+            sources.iter().filter(|source| source.flags & SKYFRONT_SOURCE_SATURATED != 0).count()
+        };
+        assert!(saturated(&without) == 0 && saturated(&with) > 0);
+        let quieter = |(without, with): (&skyfront_measured, &skyfront_measured)| without.flux_error < with.flux_error;
+        assert!(without.iter().zip(&with).all(quieter));
+    }
+
+    #[test]
+    fn what_cannot_be_measured_is_a_number() {
+        let (words, mut memory) = (counts(), memory());
+        let dark = skyfront_camera { gain: 0.0, ..CAMERA };
+        let setup = skyfront_search_setup { pixels_u16: words.as_ptr(), camera: &dark, ..SETUP };
+        assert_eq!(started(&mut memory, &setup), Err(crate::error::SKYFRONT_ERROR_PARAMETER));
+        let setup = skyfront_search_setup { camera: &CAMERA, ..setup };
+        let search = started(&mut memory, &setup).expect("memory enough");
+        let sources = labels(search, 100).expect("sources").into_iter().max().unwrap_or(0) as usize;
+        assert!(sources > 1);
+        assert_eq!(catalogue(search, 1, sources - 1), Err(SKYFRONT_ERROR_LENGTH));
+        assert_eq!(catalogue(search, 1, sources).map(|all| all.len()), Ok(sources));
+        let mut bytes: Vec<u8> = Vec::new();
+        let (context, mut source): (*mut c_void, _) = ((&raw mut bytes).cast(), skyfront_measured::default());
+        // SAFETY: the run was started, and the functions know their context.
+        unsafe {
+            assert_eq!(skyfront_search_measure_start(search, null_mut(), 0), SKYFRONT_ERROR_POINTER);
+            assert_eq!(skyfront_search_measure_start(null_mut(), context, 0), SKYFRONT_ERROR_POINTER);
+            assert_eq!(skyfront_search_measure(null_mut(), 1, null_mut()), SKYFRONT_ERROR_POINTER);
+            assert_eq!(skyfront_search_source(search, 0, null_mut()), SKYFRONT_ERROR_POINTER);
+            assert_eq!(skyfront_search_save(search, Some(write), context), SKYFRONT_OK);
+            assert_eq!(skyfront_search_restore(search, Some(read), context), SKYFRONT_OK);
+            assert_eq!(skyfront_search_source(search, 0, &mut source), SKYFRONT_ERROR_NOT_DONE, "it is another run");
+        }
+        assert_eq!(skyfront_catalogue_bytes(usize::MAX), 0);
+    }
+
+    #[test]
+    fn what_takes_a_segmenter_is_refused() {
+        let (words, mut memory) = (counts(), memory());
+        for (name, value) in [(c"filter", c"median"), (c"scheme", c"fd")] {
+            let setting = skyfront_setting { name: name.as_ptr(), value: value.as_ptr() };
+            let setup =
+                skyfront_search_setup { pixels_u16: words.as_ptr(), settings: &setting, setting_count: 1, ..SETUP };
+            assert_eq!(started(&mut memory, &setup), Err(SKYFRONT_ERROR_FRONT), "{value:?}");
+        }
     }
 
     unsafe extern "C" fn write(context: *mut c_void, bytes: *const u8, count: usize) -> i32 {

@@ -262,16 +262,16 @@ mod tests {
     use crate::error::Error;
 
     #[test]
-    fn every_filter_is_set_by_its_name_and_keeps_to_its_schemes() {
+    fn every_filter_is_set_by_its_name_and_goes_with_the_default() {
         for &filter in Filter::ALL {
             let mut config = Config::PAPER_F160;
             set(&mut config, Value::word(filter.name()));
             assert_eq!(config.filter, filter);
             assert_eq!(IN_STEPS.contains(&filter.name()), filter.is_stepped(), "{filter:?}");
             assert_eq!(filter.passes(config.filter_steps) > 0, filter.is_stepped(), "{filter:?}");
-            let refused = Config { filter, ..Config::NOISE_AWARE }.validate_values().err();
-            let expected = Error::Together { choice: "filter", value: filter.name(), other: "scheme", wanted: "fd" };
-            assert_eq!(refused, filter.is_stepped().then_some(expected));
+            let default = Config { filter, ..Config::NOISE_AWARE };
+            assert_eq!(default.validate_values(), Ok(()));
+            assert_eq!(default.needs_segmenter(), filter.is_stepped());
         }
     }
 

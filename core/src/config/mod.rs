@@ -389,6 +389,12 @@ impl Config {
         Config { t_max: if way > self.t_max { way } else { self.t_max }, ..self }
     }
 
+    /// Whether a run on signal-to-noise has steps of a [`Segmenter`](crate::run::segmenter::Segmenter): a
+    /// front of the paper, or a filter in steps before the region's own.
+    pub fn needs_segmenter(&self) -> bool {
+        self.scheme != Scheme::Region || self.filter.is_stepped()
+    }
+
     /// Whether the front has to come from the frame's border.
     fn crosses_frame(&self) -> bool {
         self.start == Start::Frame && self.scheme != Scheme::Region && !self.scheme.is_by_regions()

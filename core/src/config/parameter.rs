@@ -120,6 +120,23 @@ pub struct Need {
     pub name: &'static str,
     /// The words that use it.
     pub words: &'static [&'static str],
+    /// Another choice that uses it as well.
+    pub or: Option<&'static Need>,
+}
+
+impl Need {
+    pub(super) const fn of(name: &'static str, words: &'static [&'static str]) -> Need {
+        Need { name, words, or: None }
+    }
+
+    pub(super) const fn or(self, other: &'static Need) -> Need {
+        Need { or: Some(other), ..self }
+    }
+
+    /// It, and the others of which each is enough.
+    pub fn choices(&self) -> impl Iterator<Item = &Need> {
+        core::iter::successors(Some(self), |need| need.or)
+    }
 }
 
 /// An end of a range. Comparisons with it are written so that a NaN fails them.

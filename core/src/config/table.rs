@@ -56,16 +56,16 @@ table![
         ),
     choice("dx", "SFDX", &[], |c| Some(Value::of(Numbers::One(c.dx))), set_dx)
         .numbers(Numbers::One(0.0))
-        .at(Step::Normalize, &[BY_PAPER])
+        .at(Step::Normalize, &[IN_UNITS])
         .range(Range::above(0.0, End::At(1e3)))
         .help("Width of a pixel in the paper's unit of length, that of gradients and of the front's way."),
     choice("normalize", "SFNORM", NORMALIZATIONS, normalize, set_normalize)
-        .at(Step::Normalize, &[BY_PAPER])
+        .at(Step::Normalize, &[NORMALISED])
         .ranges_by(|_| [Range::within(0.0, 1e6), Range::above(0.0, End::At(1e6))])
         .help("How pixel values become numbers in [0, 1]."),
     choice("range", "SFRANGE", &[], range, set_range)
         .numbers(Numbers::Two(0.0, 0.0))
-        .at(Step::Normalize, &[BY_PAPER, Need { name: "normalize", words: &["percentile"] }])
+        .at(Step::Normalize, &[NORMALISED, Need::of("normalize", &["percentile"])])
         .unit("%")
         .ranges_by(|c| {
             let low = if let Normalize::Percentile { low, .. } = c.normalize { low } else { 0.0 };
@@ -79,7 +79,7 @@ table![
         Rescale::R1 { alpha } | Rescale::R2 { alpha } => Some(Real(alpha)),
         Rescale::R3 { .. } | Rescale::None => None,
     })
-    .at(Step::Rescale, &[BY_PAPER, Need { name: "rescale", words: &["r1", "r2"] }])
+    .at(Step::Rescale, &[BY_PAPER, Need::of("rescale", &["r1", "r2"])])
     .range(Range::above(0.0, End::Beyond(1.0)))
     .help("Exponent of r1 and r2; the smaller, the more faint light is lifted."),
     whole("beta", "SFBETA", |c| match &mut c.rescale {
@@ -105,38 +105,38 @@ table![
         .ranges_by(filter::ranges)
         .help("How noise is smoothed away."),
     whole("filter-steps", "SFFSTEPS", |c| Some(Short(&mut c.filter_steps)))
-        .at(Step::Filter, &[BY_PAPER, FILTERED])
+        .at(Step::Filter, &[FILTERED])
         .ranges_by(filter::step_ranges)
         .help("Steps of the filter; of starlet the scales, 7 at most."),
     real("filter-dt", "SFFDT", |c| Some(Real(&mut c.filter_dt)))
-        .at(Step::Filter, &[BY_PAPER, DIFFUSED])
+        .at(Step::Filter, &[DIFFUSED])
         .ranges_by(|c| [Range::above(0.0, End::About(c.dx * c.dx / 4.0)); 2])
         .help("Time step of the filter, at most dx^2/4."),
     choice("pm", "SFPM", DIFFUSIVITIES, diffusivity, set_diffusivity)
-        .at(Step::Filter, &[BY_PAPER, PERONA_MALIK])
+        .at(Step::Filter, &[PERONA_MALIK])
         .help("Diffusion coefficient of Perona and Malik, of s = |grad I| / mu."),
     real("pm-mu", "SFPMMU", |c| match &mut c.filter {
         Filter::PeronaMalik { mu, .. } => Some(Real(mu)),
         _ => None,
     })
-    .at(Step::Filter, &[BY_PAPER, PERONA_MALIK])
+    .at(Step::Filter, &[PERONA_MALIK])
     .range(Range::above(0.0, End::At(1e6)))
     .help(
         "Gradient at which Perona and Malik's filter stops smoothing, of values in [0, 1] per dx. The \
          paper's 30 is nearly the heat filter; 2 keeps edges.",
     ),
     choice("order", "SFORDER", ORDERS, order, set_order)
-        .at(Step::Filter, &[BY_PAPER, Need { name: "rescale", words: &["r1", "r2", "r3"] }, FILTERED])
+        .at(Step::Filter, &[BY_PAPER, Need::of("rescale", &["r1", "r2", "r3"]), FILTERED])
         .help("Whether to rescale or to filter first."),
     choice("edge", "SFEDGE", EDGES, edge, set_edge)
         .at(Step::Speed, &[EDGE_HELD])
         .help("Edge detector, the speed of the front: 1 in flat places, 0 on edges."),
     real("p", "SFP", |c| if let Edge::G1 { p } = &mut c.edge { Some(Real(p)) } else { None })
-        .at(Step::Speed, &[EDGE_HELD, Need { name: "edge", words: &["g1"] }])
+        .at(Step::Speed, &[EDGE_HELD, Need::of("edge", &["g1"])])
         .range(Range::within(1.0, 1e6))
         .help("Exponent of g1."),
     real("c2", "SFC2", |c| if let Edge::G2Mod { c2 } = &mut c.edge { Some(Real(c2)) } else { None })
-        .at(Step::Speed, &[EDGE_HELD, Need { name: "edge", words: &["g2mod"] }])
+        .at(Step::Speed, &[EDGE_HELD, Need::of("edge", &["g2mod"])])
         .range(Range { least: End::At(0.0), most: End::Beyond(1.0) })
         .help("Constant of g2mod: the front is held where g2 is below it."),
     choice("scheme", "SFSCHEME", scheme::WORDS, |c| Some(Value::word(c.scheme.name())), set_scheme)
@@ -168,7 +168,7 @@ table![
         .range(Range::within(0.0, 8.0))
         .help("Power of dx in that slope."),
     choice("directions", "SFDIRS", DIRECTIONS, directions, set_directions)
-        .at(Step::Front, &[Need { name: "scheme", words: &["sl", "sl-curvature"] }])
+        .at(Step::Front, &[Need::of("scheme", &["sl", "sl-curvature"])])
         .help("Directions of the semi-Lagrangian minimum."),
     real("mu", "SFMU", |c| Some(Real(&mut c.chan_vese.mu)))
         .at(Step::Front, &[BY_MEANS])
@@ -190,12 +190,12 @@ table![
         Start::Threshold { margin } => Some(Real(margin)),
         _ => None,
     })
-    .at(Step::Front, &[STARTED, Need { name: "start", words: &["threshold", "map"] }])
+    .at(Step::Front, &[STARTED, Need::of("start", &["threshold", "map"])])
     .unit("px")
     .range(Range::within(1.0, 100.0))
     .help("Distance from the outline of the threshold or the map to the front that starts there."),
     choice("motion", "SFMOTION", MOTIONS, motion, set_motion)
-        .at(Step::Front, &[EDGE_HELD, Need { name: "start", words: &["map"] }])
+        .at(Step::Front, &[EDGE_HELD, Need::of("start", &["map"])])
         .help("Which way the front moves."),
     real("dt", "SFDT", |c| Some(Real(&mut c.dt)))
         .at(Step::Front, &[STEPPED])
@@ -297,6 +297,16 @@ table![
         .help("Smallest area of a source."),
 ];
 
+impl Need {
+    /// Whether a configuration has one of its choices.
+    fn is_met(&self, config: &Config) -> bool {
+        self.choices().any(|need| {
+            let word = Parameter::named(need.name).and_then(|choice| choice.get(config)).and_then(|value| value.word);
+            word.is_some_and(|word| need.words.contains(&word))
+        })
+    }
+}
+
 impl Parameter {
     /// The parameter of that name.
     pub fn named(name: &str) -> Option<&'static Parameter> {
@@ -305,10 +315,7 @@ impl Parameter {
 
     /// The first choice of a configuration that leaves this parameter unused.
     pub fn unmet(&self, config: &Config) -> Option<&'static Need> {
-        self.needs.iter().find(|need| {
-            let word = Parameter::named(need.name).and_then(|other| other.get(config)).and_then(|value| value.word);
-            word.is_none_or(|word| !need.words.contains(&word))
-        })
+        self.needs.iter().find(|need| !need.is_met(config))
     }
 
     /// `config` with the choices that this parameter needs, each the first that serves.
@@ -332,41 +339,41 @@ impl Parameter {
     }
 }
 
-const ON_SIGNAL: Need = Need { name: "sky", words: &["mesh", "frame"] };
-const BY_REGION: Need = Need { name: "scheme", words: &["region"] };
-const BY_TREE: Need = Need { name: "separate", words: &["tree"] };
-const BY_SIGNIFICANCE: Need = Need { name: "select", words: &["significance"] };
+const ON_SIGNAL: Need = Need::of("sky", &["mesh", "frame"]);
+const BY_REGION: Need = Need::of("scheme", &["region"]);
+const BY_TREE: Need = Need::of("separate", &["tree"]);
+const BY_SIGNIFICANCE: Need = Need::of("select", &["significance"]);
 /// The paper's schemes, whose front moves over an image with values in [0, 1].
-const BY_PAPER: Need = Need {
-    name: "scheme",
-    words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "multiphase", "fast-marching"],
-};
+const BY_PAPER: Need = Need::of(
+    "scheme",
+    &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "multiphase", "fast-marching"],
+);
+/// Filters in steps work on such an image too.
+const NORMALISED: Need = BY_PAPER.or(&FILTERED);
+/// What goes by the paper's unit of length.
+const IN_UNITS: Need = BY_PAPER.or(&DIFFUSED);
 /// Those whose front starts somewhere: where four phases begin, the image tells.
-const STARTED: Need = Need {
-    name: "scheme",
-    words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "fast-marching"],
-};
-const BY_R3: Need = Need { name: "rescale", words: &["r3"] };
-const FILTERED: Need = Need { name: "filter", words: filter::IN_STEPS };
+const STARTED: Need =
+    Need::of("scheme", &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "fast-marching"]);
+const BY_R3: Need = Need::of("rescale", &["r3"]);
+const FILTERED: Need = Need::of("filter", filter::IN_STEPS);
 /// Those with a time step.
-const DIFFUSED: Need = Need { name: "filter", words: &["heat", "pm"] };
-const PERONA_MALIK: Need = Need { name: "filter", words: &["pm"] };
-const CHAN_VESE: Need = Need { name: "scheme", words: &["chan-vese"] };
+const DIFFUSED: Need = Need::of("filter", &["heat", "pm"]);
+const PERONA_MALIK: Need = Need::of("filter", &["pm"]);
+const CHAN_VESE: Need = Need::of("scheme", &["chan-vese"]);
 /// Schemes that part the image into regions.
-const BY_MEANS: Need = Need { name: "scheme", words: &["chan-vese", "multiphase"] };
-const BENT: Need = Need { name: "scheme", words: &["fd-curvature", "sl-curvature"] };
+const BY_MEANS: Need = Need::of("scheme", &["chan-vese", "multiphase"]);
+const BENT: Need = Need::of("scheme", &["fd-curvature", "sl-curvature"]);
 /// Schemes with a flat case of their own.
-const FLATTENED: Need = Need { name: "scheme", words: &["fd-curvature", "sl-curvature", "chan-vese", "multiphase"] };
+const FLATTENED: Need = Need::of("scheme", &["fd-curvature", "sl-curvature", "chan-vese", "multiphase"]);
 /// Schemes whose front the edge detector holds; Chan and Vese's goes by regions.
 const EDGE_HELD: Need =
-    Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "fast-marching"] };
+    Need::of("scheme", &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "fast-marching"]);
 /// Schemes that go by time steps.
-const STEPPED: Need = Need {
-    name: "scheme",
-    words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "multiphase"],
-};
+const STEPPED: Need =
+    Need::of("scheme", &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered", "chan-vese", "multiphase"]);
 /// Schemes in which only what is near the front moves and tells whether it has stopped.
-const NEAR_FRONT: Need = Need { name: "scheme", words: &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered"] };
+const NEAR_FRONT: Need = Need::of("scheme", &["fd", "sl", "fd-curvature", "sl-curvature", "fd-filtered"]);
 
 const SKIES: &[Word] = &[
     Word {
@@ -776,7 +783,7 @@ mod tests {
                 "{name} stands among another step's"
             );
             assert!(parameter.help.ends_with(['.', ')']), "{name} has no sentence of help");
-            for need in parameter.needs {
+            for need in parameter.needs.iter().flat_map(Need::choices) {
                 let other = Parameter::named(need.name).unwrap();
                 let known = |word: &&str| other.words.iter().any(|known| known.name == *word);
                 assert!(need.words.iter().all(known), "{name} needs {need:?}");

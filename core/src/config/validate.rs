@@ -56,7 +56,7 @@ impl Config {
         self.validate_together()
     }
 
-    /// What needs signal-to-noise needs a sky; a filter in steps needs an image with values in [0, 1].
+    /// What needs signal-to-noise needs a sky.
     fn validate_together(&self) -> Result<(), Error> {
         let apart = |choice, value, other, wanted| Err(Error::Together { choice, value, other, wanted });
         if !self.sky.is_known() {
@@ -70,9 +70,6 @@ impl Config {
             if let Some((_, choice, value)) = on_signal.into_iter().find(|(chosen, ..)| *chosen) {
                 return apart(choice, value, "sky", "mesh or frame");
             }
-        }
-        if self.filter.is_stepped() && self.scheme == Scheme::Region {
-            return apart("filter", self.filter.name(), "scheme", "fd");
         }
         if self.motion == Motion::Outward && self.start != Start::Given {
             return apart("motion", "outward", "start", "map");

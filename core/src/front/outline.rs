@@ -9,6 +9,7 @@
 
 use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
+use crate::config::Outline;
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
 use crate::plane::rows::{row_of, row_of_mut, rows_of, rows_of_mut};
@@ -49,27 +50,35 @@ pub struct Front<L: Level> {
 struct Around<'a, L>([&'a [L]; 3]);
 
 impl<L: Level> Front<L> {
+    /// As a configuration has it.
+    pub fn new(outline: Outline) -> Self {
+        let Outline { threshold, curvature, steps } = outline;
+        Front { threshold: L::of(threshold), curvature: L::Weight::of(curvature), steps }
+    }
+
     /// Fills `plane` with the bits of u, above 0 inside: the front starts where `start`, smoothed signal-to-noise, is at
     /// the threshold, and takes its steps. `signal` has the force, less smoothed; `rows` has room for
     /// [`ROWS`], and for as many of each band where more than one works. Cost: a pass per step, which
     /// computes near the front only.
     pub fn outline(&self, [signal, start]: [&[L]; 2], plane: &mut [u32], rows: &mut [L], grid: Grid, crew: &impl Crew) {
-        let _ = self.outline_in((&mut Walk::whole(), crew), [signal, start], plane, rows, grid);
+        let _ = self.outline_in((&mut Walk::whole(), crew), (signal, Some(start)), plane, rows, grid);
     }
 
-    /// The same in parts.
+    /// The same in parts; without a `start` from u before the first step, which `plane` has already.
     pub(crate) fn outline_in(
         &self,
         (walk, crew): (&mut Walk, &impl Crew),
-        [signal, start]: [&[L]; 2],
+        (signal, start): (&[L], Option<&[L]>),
         plane: &mut [u32],
         rows: &mut [L],
         grid: Grid,
     ) -> Option<()> {
         let width = grid.width.get();
-        walk.pass(grid.height, width, |part| {
-            self.start(rows_of(start, &part, width), rows_of_mut(plane, &part, width));
-        })?;
+        if let Some(start) = start {
+            walk.pass(grid.height, width, |part| {
+                self.start(rows_of(start, &part, width), rows_of_mut(plane, &part, width));
+            })?;
+        }
         for _ in 0..self.steps {
             walk.pass(grid.height, width, |part| self.step_rows(part, signal, plane, rows, grid, crew))?;
         }
@@ -78,9 +87,13 @@ impl<L: Level> Front<L> {
 
     /// u before the first step.
     pub fn start(&self, start: &[L], plane: &mut [u32]) {
-        for (u, &start) in plane.iter_mut().zip(start) {
-            *u = within(start - self.threshold, BAND).bits();
-        }
+        plane.iter_mut().zip(start).for_each(|(u, &start)| *u = self.at(start).bits());
+    }
+
+    /// u before the first step where smoothed signal-to-noise is `start`.
+    #[inline(always)]
+    pub fn at(&self, start: L) -> L {
+        within(start - self.threshold, BAND)
     }
 
     /// One step of [`Front::outline`].

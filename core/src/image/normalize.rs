@@ -59,6 +59,7 @@ fn of_rank(rank: i32) -> f32 {
 /// extremes.observe(&[200.0, f32::NAN, 100.0, 150.0]);
 /// let range = Range { low: extremes.least, high: extremes.greatest };
 /// assert_eq!([100.0, 150.0, 999.0, f32::NAN].map(|pixel| range.apply(pixel, 0.0)), [0.0, 0.5, 1.0, 0.0]);
+/// assert_eq!([0.0, 0.5, 1.0].map(|value| range.pixel(value)), [100.0, 150.0, 200.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -89,6 +90,11 @@ impl Range {
             (pixel * 0.5 - self.low * 0.5) / (self.high * 0.5 - self.low * 0.5)
         };
         if value > 0.0 { if value < 1.0 { value } else { 1.0 } } else { 0.0 }
+    }
+
+    /// The pixel that becomes `value`, of 0 to 1.
+    pub fn pixel(&self, value: f32) -> f32 {
+        self.low * (1.0 - value) + self.high * value
     }
 }
 

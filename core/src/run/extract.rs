@@ -4,7 +4,8 @@
 //! An [`Extractor`] goes through the steps of its [`Plan`], one per poll. The front of
 //! [`Scheme::Region`](crate::config::Scheme::Region) is a step of its own; that of every other scheme the caller moves over
 //! [`Extractor::image`], with a [`Segmenter`](crate::run::segmenter::Segmenter) of the same
-//! configuration, and hands it over by [`Extractor::outline`].
+//! configuration, and hands it over by [`Extractor::outline`]. Of a filter in steps before the region's own front
+//! the same segmenter makes the filtered image alone, for [`Extractor::start_from`].
 //!
 //! The run is deterministic, with at most a fixed number of passes over the planes and
 //! one sort of the pixels in use. The sky is measured in the image's own single precision; from
@@ -16,8 +17,8 @@ pub mod catalogue;
 pub mod snapshot;
 mod state;
 
-use crate::arithmetic::{Fixed14, Level, Real};
-use crate::config::{Config, Filter, Select};
+use crate::arithmetic::{Fixed14, Level};
+use crate::config::{Config, Filter, Scheme, Select};
 use crate::error::Error;
 use crate::front::outline::Front;
 use crate::plane::crew::{Alone, Crew};
@@ -67,6 +68,8 @@ pub struct Found {
 pub enum Progress {
     /// This is to be done next.
     Next(Stage),
+    /// A filter is to go over [`Extractor::image`], and what it leaves to be given to [`Extractor::start_from`].
+    Filter,
     /// A front is to move over [`Extractor::image`], and to be given to [`Extractor::outline`].
     Front,
     /// Nothing is left to do.
@@ -163,6 +166,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     /// How far the run is.
     pub fn progress(&self) -> Progress {
         match self.next() {
+            Some(stage) if stage.is_of_front() && self.config.scheme == Scheme::Region => Progress::Filter,
             Some(stage) if stage.is_of_front() => Progress::Front,
             Some(stage) => Progress::Next(stage),
             None => Progress::Done(self.found()),
@@ -173,8 +177,8 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
         Plan::of(&self.config).steps().nth(self.state.done).map(|step| step.stage)
     }
 
-    /// Does at most `rows` rows (at least one) of the step under way; where a front is awaited, or nothing is left to do,
-    /// nothing. A row is as many pixels of a pass, keys of a sort or regions of the table as the frame has columns; where
+    /// Does at most `rows` rows (at least one) of the step under way; where a filter or a front is awaited, or nothing is
+    /// left to do, nothing. A row is as many pixels of a pass, keys of a sort or regions of the table as the frame has columns; where
     /// that is more, a cell of the mesh, and once each what the sample of the values tells.
     ///
     /// The same bits come out whatever the parts. A frame that is a part of an image is worked on in whole steps. After an
@@ -256,13 +260,9 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
                 photon::step(walk, (known, curve), field, work.fine, Mask(work.masked), (work.labels, keys))
             }
             Stage::Outline => {
-                let front = Front {
-                    threshold: L::of(config.outline.threshold),
-                    curvature: L::Weight::of(config.outline.curvature),
-                    steps: config.outline.steps,
-                };
                 let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
-                front.outline_in((walk, crew), [work.fine, start], work.labels, work.rows, grid)
+                let start = if config.filter.is_stepped() { None } else { Some(start) };
+                Front::new(config.outline).outline_in((walk, crew), (work.fine, start), work.labels, work.rows, grid)
             }
             Stage::Tree => {
                 separate::tree((walk, crew), growing, grid, inside, (config, noise.photon), &mut work.separation())
@@ -383,7 +383,8 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
         }
     }
 
-    /// The image over which a front is to move: signal-to-noise, W x H, smoothed as the filter says.
+    /// The image over which a filter in steps is to go or a front to move: signal-to-noise, W x H, smoothed as the other
+    /// filters say.
     pub fn image(&self) -> &[L] {
         let Workspace { signal, fine, smooth, .. } = &self.work;
         smoothed(self.config.filter, [signal, fine, smooth])
@@ -397,6 +398,17 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     /// The planes, the mesh and the regions as the steps so far left them.
     pub fn work(&self) -> &Workspace<'m, L> {
         &self.work
+    }
+
+    /// Takes the filtered image that was awaited: signal-to-noise by its index, from which the region's front starts.
+    pub fn start_from(&mut self, filtered: impl Fn(usize) -> f32) {
+        if self.progress() != Progress::Filter {
+            return;
+        }
+        let front = Front::<L>::new(self.config.outline);
+        let labels = self.work.labels.iter_mut().enumerate();
+        labels.for_each(|(at, u)| *u = front.at(L::signal(filtered(at))).bits());
+        self.pass_over_front();
     }
 
     /// Takes the front that was awaited: whether a pixel is inside, by its index. What no front can have
@@ -416,6 +428,11 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             self.state.unreached += u32::from(unreached);
             *front = if inside && !unreached { L::ONE } else { -L::ONE }.bits();
         }
+        self.pass_over_front();
+    }
+
+    /// Passes over the steps of a segmenter.
+    fn pass_over_front(&mut self) {
         while self.next().is_some_and(Stage::is_of_front) {
             self.state.done += 1;
         }
@@ -459,7 +476,11 @@ fn smoothed<L: Level>(filter: Filter, [signal, fine, smooth]: [&[L]; 3]) -> &[L]
 }
 
 fn moved_elsewhere(config: &Config) -> Error {
-    Error::Front { scheme: config.scheme.name(), mover: "a segmenter" }
+    let mover = match config.scheme {
+        Scheme::Region => "an extractor, after a segmenter's filter",
+        _ => "a segmenter",
+    };
+    Error::Front { scheme: config.scheme.name(), mover }
 }
 
 /// An undefined pixel between two of a source carries its light across, but is in no source.
@@ -474,7 +495,7 @@ fn drop_undefined<P: Sample>(walk: &mut Walk, view: &View<'_, P>, labels: &mut [
 /// A whole run with the front of [`Scheme::Region`](crate::config::Scheme::Region) into `work.labels`.
 ///
 /// # Errors
-/// Those of [`Extractor::new`] and [`Extractor::poll`], and [`Error::Front`] for another scheme.
+/// Those of [`Extractor::new`] and [`Extractor::poll`], and [`Error::Front`] for another scheme or a filter in steps.
 pub fn extract<L: Level>(
     config: &Config,
     pixels: &[f32],
@@ -487,7 +508,7 @@ pub fn extract<L: Level>(
         match run.poll(usize::MAX)? {
             Progress::Next(_) => {}
             Progress::Done(found) => return Ok(found),
-            Progress::Front => return Err(moved_elsewhere(config)),
+            Progress::Filter | Progress::Front => return Err(moved_elsewhere(config)),
         }
     }
 }
@@ -495,13 +516,20 @@ pub fn extract<L: Level>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arithmetic::{F32, Real};
+    use crate::front::scheme::Still;
     use crate::plane::mask::mask_words;
     use crate::plane::raster::{BadPixel, sealed::Sealed};
     use crate::plane::smooth::ROOM_ROWS;
-    use crate::run::frame::Frame;
+    use crate::plane::sweep::ring_len;
+    use crate::run::frame::{Frame, SliceFrame};
+    use crate::run::memory::{Memory, flags_len};
+    use crate::run::outcome::Progress as Moved;
+    use crate::run::segmenter::Segmenter;
     use crate::run::workspace::regions;
     use crate::simulate::{Kind, Sky as Simulated};
     use crate::sky::mesh_cells;
+    use crate::sky::otsu::Histogram;
     use crate::sources::tree::Region;
     use core::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, Ordering};
 
@@ -611,11 +639,33 @@ mod tests {
         for polls in 1.. {
             match run.poll(rows) {
                 Ok(Progress::Done(found)) => return room.left(told(found), found.regions, polls),
+                Ok(Progress::Filter) => filter(config, &mut run, rows),
                 Ok(_) => {}
                 Err(error) => return room.left(std::format!("{error}"), 0, polls),
             }
         }
         unreachable!("a run ends")
+    }
+
+    /// Filters the image of a run in parts of so many rows.
+    pub(super) fn filter<L: Level>(config: &Config, run: &mut Extractor<'_, '_, L>, rows: usize) {
+        let pixels: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
+        let memory = Memory {
+            image: &mut [0.0; COUNT],
+            front: &mut [0.0; COUNT],
+            ring: &mut [0.0; ring_len(WIDTH, 3)],
+            tiles: &mut [0; flags_len(WIDTH, HEIGHT)],
+            samples: &mut [0.0; WIDTH],
+            counts: &mut Histogram::EMPTY.clone(),
+            sources: &mut [],
+        };
+        let mut segmenter = Segmenter::<F32, Still>::new(config, WIDTH, HEIGHT, memory).expect("room enough");
+        let range = loop {
+            if let Moved::Done(outcome) = segmenter.poll(rows, &mut SliceFrame(&pixels)).expect("signal and noise") {
+                break outcome.range;
+            }
+        };
+        run.start_from(|at| range.pixel(segmenter.image()[at]));
     }
 
     #[track_caller]
@@ -637,7 +687,8 @@ mod tests {
         let components = Config { separate: crate::config::Separate::Components, ..default };
         let by_area = Config { select: Select::Area, filter: Filter::Gauss, ..default };
         let mut pixels: Vec<f32> = counts(4000.0, WIDTH).iter().map(|&count| f32::from(count)).collect();
-        for config in [default, components, by_area] {
+        let filtered = Config { filter: Filter::TotalVariation { weight: 0.1 }, filter_steps: 3, ..default };
+        for config in [default, components, by_area, filtered] {
             parts_make_the_whole::<f32>(&config, &pixels, Known::default());
         }
         parts_make_the_whole::<crate::arithmetic::Fixed14>(&default, &pixels, Known::default());
@@ -652,6 +703,47 @@ mod tests {
         (0..COUNT).filter(|at| at % WIDTH < 9).for_each(|at| pixels[at] = 0.0);
         parts_make_the_whole::<f32>(&default, &pixels, Known::default());
         parts_make_the_whole::<f32>(&default, &[3.0; COUNT], Known::default());
+    }
+
+    /// A run whose front starts from what `start_from` is given, in the place of the filter's image.
+    fn started<L: Level>(pixels: &[f32], filtered: impl Fn(L) -> f32) -> Left {
+        let (config, mut room) = (Config { filter: Filter::Median, ..Config::NOISE_AWARE }, Room::<L>::new());
+        let mut run = Extractor::new(&config, pixels, WIDTH, Known::default(), room.work()).expect("room enough");
+        run.start_from(|_| 1e6);
+        for polls in 1.. {
+            match run.poll(usize::MAX).expect("a sky with noise") {
+                Progress::Done(found) => return room.left(told(found), found.regions, polls),
+                Progress::Filter => {
+                    run.outline(|_| true);
+                    assert_eq!(run.poll(1), Ok(Progress::Filter), "no front is awaited");
+                    let image = run.image().to_vec();
+                    run.start_from(|at| filtered(image[at]));
+                }
+                _ => {}
+            }
+        }
+        unreachable!("a run ends")
+    }
+
+    fn the_front_starts_where_the_filtered_image_says<L: Level>() {
+        let pixels: Vec<f32> = counts(4000.0, WIDTH).iter().map(|&count| f32::from(count)).collect();
+        let unfiltered = Config { filter: Filter::None, ..Config::NOISE_AWARE };
+        let expected = left::<L>(&unfiltered, &pixels, Known::default(), usize::MAX);
+        let same = started(&pixels, L::to_f32);
+        assert!(same.end == expected.end && same.words == expected.words, "{}", same.end);
+        let nowhere = started::<L>(&pixels, |_| 0.0);
+        assert!(!expected.end.contains("sources: 0") && nowhere.end.contains("sources: 0"), "{}", nowhere.end);
+    }
+
+    #[test]
+    fn a_filter_in_steps_tells_where_the_front_starts() {
+        the_front_starts_where_the_filtered_image_says::<f32>();
+        the_front_starts_where_the_filtered_image_says::<Fixed14>();
+        let filtered = Config { filter: Filter::Median, ..Config::NOISE_AWARE };
+        let (pixels, mut room) = (counts(4000.0, WIDTH), Room::<f32>::new());
+        let pixels: Vec<f32> = pixels.iter().map(|&count| f32::from(count)).collect();
+        let alone = extract(&filtered, &pixels, WIDTH, Known::default(), room.work());
+        assert_eq!(alone, Err(moved_elsewhere(&filtered)));
     }
 
     /// A step that was begun in parts is ended as a whole, at every place where it may be.

@@ -83,6 +83,9 @@ const NORMALISING: [Stage; 6] =
 /// Steps 2 and 3, in both orders.
 const RESCALING_FIRST: [Stage; 3] = [Stage::Threshold, Stage::Rescale, Stage::Filter];
 const FILTERING_FIRST: [Stage; 3] = [Stage::Filter, Stage::Threshold, Stage::Rescale];
+/// Step 3 alone: what a segmenter does for the front from the threshold, which is an extractor's.
+const FILTERING: [Stage; 1] = [Stage::Filter];
+const OUTLINING: [Stage; 1] = [Stage::Outline];
 /// From the filtered image to the front at its end.
 const FRONT: [Stage; 13] = [
     Stage::StartLevel,
@@ -150,7 +153,8 @@ impl<'a> Plan<'a> {
         let by_region = self.config.scheme == Scheme::Region;
         let (normalising, middle, front): (&'static [Stage], &'static [Stage], &'static [Stage]) =
             match (by_region, self.config.order) {
-                (true, _) => (&[], &[], &[Stage::Outline]),
+                (true, _) if self.config.filter.is_stepped() => (&NORMALISING, &FILTERING, &OUTLINING),
+                (true, _) => (&[], &[], &OUTLINING),
                 (false, Order::RescaleFirst) => (&NORMALISING, &RESCALING_FIRST, &FRONT),
                 (false, Order::FilterFirst) => (&NORMALISING, &FILTERING_FIRST, &FRONT),
             };
@@ -242,6 +246,7 @@ impl<'a> Plan<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Filter;
 
     /// Every stage but the end has a place in some plan, those of a segmenter one in each order.
     #[test]
@@ -270,6 +275,11 @@ mod tests {
         let front = [Stage::Extremes, Stage::Median, Stage::Normalize, Stage::Threshold, Stage::Rescale];
         assert_eq!(rsa[..5], front, "neither a sky of its own nor a filter in steps");
         assert_eq!(rsa[rsa.len() - 4..], [Stage::Evolve, Stage::Tree, Stage::Deblend, Stage::Select]);
+        let filtered = Config { filter: Filter::Median, ..Config::NOISE_AWARE };
+        let smoothed = stages(&filtered);
+        assert_eq!(smoothed[..4], [Stage::Extremes, Stage::Median, Stage::Normalize, Stage::Filter]);
+        assert_eq!(smoothed[4..], [Stage::Outline, Stage::Tree, Stage::Deblend, Stage::Select]);
+        assert_eq!(Plan::of(&filtered).after(Stage::Filter, |_| false), Stage::Done, "the front is an extractor's");
         let components = Config { separate: Separate::Components, ..Config::NOISE_AWARE };
         assert_eq!(stages(&components)[..], [Stage::Outline, Stage::Components, Stage::Select]);
         assert_eq!(Plan::of(&Config::RSA).after(Stage::Evolve, |_| false), Stage::Done, "the segmenter's last");

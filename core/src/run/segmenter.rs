@@ -4,7 +4,7 @@ mod order;
 mod rows;
 
 use crate::arithmetic::{Arithmetic, Cell, Real};
-use crate::config::{Config, Scheme};
+use crate::config::Config;
 use crate::error::Error;
 use crate::front::bands::{Band, Bands};
 use crate::front::edge::EdgeDetector;
@@ -107,7 +107,7 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         memory: Memory<'m, A>,
         bands: Bands<'m, A>,
     ) -> Result<Self, Error> {
-        if config.scheme == Scheme::Region {
+        if !config.needs_segmenter() {
             return Err(Error::Front { scheme: config.scheme.name(), mover: "an extractor" });
         }
         let (given, chosen) = (config, Chosen::<A, S>::new(*config));
@@ -256,7 +256,8 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         }
     }
 
-    fn outcome(&self) -> Outcome {
+    /// What the run has found so far; of several bands, of the one under way.
+    pub fn outcome(&self) -> Outcome {
         let state = &self.state;
         let per_dx = 0.5 / self.config.dx;
         Outcome {
@@ -330,6 +331,11 @@ impl<'m, A: Arithmetic, S: Evolve<A>> Segmenter<'m, A, S> {
         let done = self.state.stage == Stage::Done;
         let count = if done { self.outcome().catalogued as usize } else { 0 };
         self.memory.sources.get(..count).unwrap_or(&[])
+    }
+
+    /// Columns and rows of the frame.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
     }
 
     /// The stage under way.

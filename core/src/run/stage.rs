@@ -133,7 +133,7 @@ impl Stage {
     }
 
     /// Whether it makes the filtered image: of several bands, of each.
-    pub(crate) const fn is_of_band(self) -> bool {
+    pub const fn is_of_band(self) -> bool {
         (self as u32) <= Stage::Filter as u32
     }
 

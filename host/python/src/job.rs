@@ -11,7 +11,7 @@ use skyfront::measure::{Extras, Neighbours};
 use skyfront::mosaic::Answers;
 use skyfront::read::{Card, Header, Image};
 use skyfront::settings;
-use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter, Scheme, Value};
+use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter, Value};
 use skyfront_core::plane::part::Part;
 
 /// An array, and whether its bytes are in the other order than this machine's.
@@ -147,8 +147,11 @@ impl Job<'_> {
 
     fn part(&self, config: &Config, arithmetic: ArithmeticOption) -> Result<Option<(Part, Answers)>, Failure> {
         let Some(place) = &self.part else { return Ok(None) };
-        if !config.sky.is_known() || config.scheme != Scheme::Region {
-            return Err(Failure::Option("preset", "a front has no parts: mosaics need the default's steps".to_owned()));
+        if !config.sky.is_known() || config.needs_segmenter() {
+            return Err(Failure::Option(
+                "preset",
+                "a front or a filter in steps has no parts: mosaics need the default's steps".to_owned(),
+            ));
         }
         if arithmetic != ArithmeticOption::F32 {
             return Err(Failure::Option("arithmetic", "mosaics are segmented in f32".to_owned()));

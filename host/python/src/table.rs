@@ -8,7 +8,7 @@ use skyfront::choices::{ArithmeticOption, Preset};
 use skyfront::input::{Combine, WeightType};
 use skyfront::measure::Neighbours;
 use skyfront::settings::{self, words};
-use skyfront_core::config::{Config, Numbers, PARAMETERS, Parameter};
+use skyfront_core::config::{Config, Need, Numbers, PARAMETERS, Parameter};
 use skyfront_core::sources::flags::FLAGS;
 
 /// Every setting of a run, in the order of the steps.
@@ -27,7 +27,8 @@ pub fn parameters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
         dict.set_item("numbers", numbers(parameter))?;
         dict.set_item("default", parameter.default().map(|value| value.to_string()))?;
         dict.set_item("range", range(parameter))?;
-        let needs = parameter.needs.iter().map(|need| format!("{} {}", python(need.name), words(need.words)));
+        let choice = |need: &Need| format!("{} {}", python(need.name), words(need.words));
+        let needs = parameter.needs.iter().map(|need| need.choices().map(choice).collect::<Vec<_>>().join(", or "));
         dict.set_item("needs", needs.collect::<Vec<_>>())?;
         list.append(dict)?;
     }

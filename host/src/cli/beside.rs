@@ -101,7 +101,7 @@ impl Beside {
 }
 
 /// Names of files are taken as they are, Unicode or not.
-fn place() -> impl TypedValueParser<Value = Place> {
+pub fn place() -> impl TypedValueParser<Value = Place> {
     PathBufValueParser::new().map(Place::new)
 }
 

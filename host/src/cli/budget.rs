@@ -7,6 +7,7 @@ use super::memory::MOST_PIXELS;
 use super::options::Options;
 use super::say::Stdout;
 use crate::extraction;
+use crate::pipeline::room_for_sources;
 use anyhow::{Result, bail};
 use clap::Args;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
@@ -61,9 +62,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// The budget of a run on signal-to-noise as text.
 fn on_signal(config: &Config, (width, height): (usize, usize)) -> Result<String> {
-    let parts = extraction::memory(config, width, height);
+    let mut parts = extraction::memory(config, width, height).to_vec();
+    if config.needs_segmenter() {
+        let sources = room_for_sources(width * height);
+        let moved = memory::bytes(width, height, IMAGE_BYTES, config.scheme == Scheme::SlCurvature, sources);
+        // What it goes over, and what it leaves.
+        parts.push((moved + 2 * IMAGE_BYTES * width * height, "planes of the front or the filter, and its catalogue"));
+    }
     let mut text = format!("{width} x {height} pixels, on signal-to-noise, in f32 or q24\n");
-    for (bytes, what) in parts {
+    for (bytes, what) in &parts {
         writeln!(text, "{bytes:>14} bytes  {what}")?;
     }
     let total: usize = parts.iter().map(|(bytes, _)| bytes).sum();
@@ -110,4 +117,25 @@ fn budget_of<A: Arithmetic>(
         writeln!(text, "{:>14.4e} instructions on {}, at most{lacking}", need.instructions, need.machine)?;
     }
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skyfront_core::config::Filter;
+
+    fn total(config: &Config) -> u64 {
+        let text = on_signal(config, (200, 100)).expect("a text");
+        let line = text.lines().last().and_then(|line| line.split_whitespace().next());
+        line.and_then(|bytes| bytes.parse().ok()).expect("a number")
+    }
+
+    #[test]
+    fn fronts_and_filters_in_steps_have_planes_of_their_own() {
+        let default = total(&Config::NOISE_AWARE);
+        assert_eq!(total(&Config { filter: Filter::Gauss, ..Config::NOISE_AWARE }), default);
+        for config in [Config::RSA, Config { filter: Filter::Median, ..Config::NOISE_AWARE }] {
+            assert!(total(&config) > default + 4 * 4 * 200 * 100);
+        }
+    }
 }

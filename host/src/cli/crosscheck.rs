@@ -1,11 +1,14 @@
 //! `skyfront crosscheck`: the core beside the f64 reference, and test vectors for other hardware.
 
+use super::beside::place;
 use super::memory::image_within;
 use super::say::{Stderr, Stdout};
 use super::{Options, Usage};
-use crate::crosscheck::{Tolerances, crosscheck, json, table, unheard_of};
+use crate::choices::ArithmeticOption;
+use crate::crosscheck::{Tolerances, crosscheck_together, json, table, unheard_of};
+use crate::input::{Combine, Input, Maps};
 use crate::provenance::scheme_name;
-use crate::read::{HduChoice, Image};
+use crate::read::{HduChoice, Image, Place};
 use crate::vectors::{self, INPUT, MANIFEST, Trace};
 use crate::write::Products;
 use anyhow::{Context, Result, bail};
@@ -16,6 +19,8 @@ use std::path::{Path, PathBuf};
 
 /// Bytes per pixel that a comparison takes at most: the planes of both sides in each of their steps.
 const BYTES: u64 = 300;
+/// The same for each further image.
+const BYTES_TOGETHER: u64 = 150;
 
 #[derive(Debug, Args)]
 pub struct Arguments {
@@ -25,6 +30,13 @@ pub struct Arguments {
     /// HDU of the image: a number (0 = primary) or a name [default: the first 2-D image].
     #[arg(long, value_name = "N|NAME")]
     hdu: Option<HduChoice>,
+    /// Search this image and the first together, as segment does. Of the same pixels and coordinates; can be given many
+    /// times.
+    #[arg(long, value_name = "IMAGE2", value_parser = place(), conflicts_with_all = ["vectors", "from_vectors"])]
+    with: Vec<Place>,
+    /// How they are searched together [default: weighted].
+    #[arg(long, value_enum, value_name = "HOW", requires = "with")]
+    combine: Option<Combine>,
     /// With a preset of the paper and without --scheme, each of the paper's four is checked at the paper's time step
     /// for it.
     #[command(flatten)]
@@ -100,7 +112,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             if let Some(what) = unheard_of(&arguments.options.config()?) {
                 bail!(Usage(what));
             }
-            let image = image_within(BYTES, path, arguments.hdu.as_ref())?;
+            let together = arguments.with.len() as u64;
+            let image = image_within(BYTES + BYTES_TOGETHER * together, path, arguments.hdu.as_ref())?;
             let configs: Vec<Config> = configs(&arguments.options)?
                 .into_iter()
                 .map(|config| arguments.options.for_frame(config, image.width, image.height))
@@ -111,7 +124,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 }
                 export(folder, &configs, &image, arguments.overwrite)?;
             }
-            check(arguments, &configs, &image, &path.display().to_string())
+            let combine = arguments.combine.unwrap_or_default();
+            if combine == Combine::Vector {
+                configs.iter().try_for_each(|config| ArithmeticOption::F32.serves(config, arguments.with.len() + 1))?;
+            }
+            let maps = Maps { with: arguments.with.clone(), combine, ..Maps::default() };
+            check(arguments, &configs, &maps.over(&path.display().to_string(), image)?, combine)
         }
         (None, None) => bail!("an image or --from-vectors is wanted"),
     }
@@ -135,13 +153,13 @@ fn configs(options: &Options) -> Result<Vec<Config>> {
     PAPERS.into_iter().map(with).collect()
 }
 
-fn check(arguments: &Arguments, configs: &[Config], image: &Image, name: &str) -> Result<()> {
+fn check(arguments: &Arguments, configs: &[Config], input: &Input, combine: Combine) -> Result<()> {
+    let name = &input.detected.name;
     let (mut results, mut failed, mut made) = (Vec::new(), 0, 0);
     for config in configs {
         let scheme = scheme_name(config.scheme);
-        let checks =
-            crosscheck(config, &image.pixels, image.width, image.height, |given| arguments.limits.apply(given))
-                .with_context(|| format!("{name}: {scheme}"))?;
+        let checks = crosscheck_together(config, input, combine, |given| arguments.limits.apply(given))
+            .with_context(|| format!("{name}: {scheme}"))?;
         failed += checks.iter().filter(|check| !check.failures().is_empty()).count();
         made += checks.len();
         if arguments.json {

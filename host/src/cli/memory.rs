@@ -33,7 +33,7 @@ pub fn need(config: &Config, pictures: bool, maps: usize, (width, height): Size)
     if config.sky.is_known() {
         bytes_of_run += extraction::memory(config, w, h).iter().map(|(bytes, _)| bytes).sum::<usize>();
     }
-    if config.scheme != Scheme::Region {
+    if config.needs_segmenter() {
         let sl_curvature = config.scheme == Scheme::SlCurvature;
         bytes_of_run += bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h));
         (others, of_pictures) = (4, 5);

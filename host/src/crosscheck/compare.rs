@@ -2,7 +2,7 @@
 
 use crate::pipeline::{Segmentation, StagePlanes};
 use crate::reference::noise_aware::Found;
-use crate::reference::{Plane, Stages, centroids};
+use crate::reference::{Plane, Stages, Vector, centroids};
 use std::collections::BTreeMap;
 
 /// PlaneDifference of two planes.
@@ -70,6 +70,15 @@ pub fn compare_signal(pixels: &[f32], core: &Segmentation, reference: &Found, un
     let floor = core.outcome.extremes.least.into();
     let whole = Whole { labels, sources: *sources, floor, steps: front.steps, t: front.t };
     compare_runs(pixels, core, &whole, &[("u", &core.front, &front.u, unit)])
+}
+
+/// The same of a front in several bands; `pixels` are those of the first.
+pub fn compare_bands(pixels: &[f32], core: &Segmentation, reference: &Vector, unit: f64) -> Comparison {
+    let Vector { labels, evolution, .. } = reference;
+    let sources = labels.iter().copied().max().unwrap_or(0);
+    let (floor, steps, t) = (core.outcome.range.low.into(), evolution.steps, evolution.t);
+    let whole = Whole { labels, sources, floor, steps, t };
+    compare_runs(pixels, core, &whole, &[("u", &core.front, &evolution.u, unit)])
 }
 
 /// A stage: its plane in the core and in the reference, and the units of the one in 1 of the other.

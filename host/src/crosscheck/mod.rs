@@ -4,6 +4,7 @@
 //! what a step may differ by follows from its own arithmetic, whatever came before and however often a front steps.
 //! The whole runs are compared beside that: there a pixel near u = 0 goes where roundings lead it.
 
+mod combine;
 mod compare;
 mod notes;
 mod report;
@@ -12,21 +13,24 @@ mod settings;
 mod signal;
 mod walk;
 
-pub use compare::{Comparison, PlaneDifference, compare, compare_signal};
+pub use combine::combination;
+pub use compare::{Comparison, PlaneDifference, compare, compare_bands, compare_signal};
 pub use notes::Difference;
 pub use report::{json, table};
 pub use settings::{parameters, settings};
 pub use signal::{centroids, walk_signal, whole_run};
-pub use walk::walk;
+pub use walk::{walk, walk_bands};
 
 use crate::arithmetics::{self, Task, adapted};
 use crate::extraction;
+use crate::input::{Combine, Input};
 use crate::pipeline::{Drive, segment_in};
-use crate::reference::{ReferenceError, Stages, run};
+use crate::reference::{ReferenceError, Stages, run, run_in};
 use rounding::bit;
-use skyfront_core::arithmetic::{Arithmetic, Fixed14, Level};
+use skyfront_core::arithmetic::{Arithmetic, F32, Fixed14, Level};
 use skyfront_core::config::{Config, Edge, Scheme, Start};
 use skyfront_core::error::Error;
+use skyfront_core::front::bands;
 use skyfront_core::front::profile::Profile;
 use thiserror::Error as ThisError;
 
@@ -159,18 +163,41 @@ pub fn crosscheck(
     height: usize,
     tolerances: impl Fn(Tolerances) -> Tolerances,
 ) -> Result<Vec<Check>, CheckError> {
-    if let Some(what) = unheard_of(config) {
-        return Err(CheckError::NoReference(what));
+    let further = Vec::new();
+    CheckTask { config, pixels, further, size: (width, height), tolerances, reference: None }.checks()
+}
+
+/// The same of images that are searched together ([`Input::find_with`]), as `how` says: their combination, and the run
+/// over it, or one front in all of them.
+///
+/// # Errors
+/// Those of [`crosscheck`], and of [`bands::serve`] where one front is to go by several images.
+pub fn crosscheck_together(
+    config: &Config,
+    input: &Input,
+    how: Combine,
+    tolerances: impl Fn(Tolerances) -> Tolerances,
+) -> Result<Vec<Check>, CheckError> {
+    let (image, further) = (&input.detected.image, input.with.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    if !further.is_empty() {
+        bands::serve::<F32>(config, further.len() + 1)?;
     }
-    let mut task = CheckTask { config, pixels, size: (width, height), tolerances, reference: None };
-    let checks: Result<Vec<_>, _> = arithmetics::each(&mut task).into_iter().collect();
-    Ok(checks?.into_iter().flatten().collect())
+    let size = (image.width, image.height);
+    let task = CheckTask { config, pixels: &image.pixels, further, size, tolerances, reference: None };
+    let mut checks = task.checks()?;
+    let images: Vec<&[f32]> = input.bands.iter().map(|band| band.image.pixels.as_slice()).collect();
+    if let Some(combined) = combination(&images, how, &image.pixels, image.width) {
+        checks.iter_mut().for_each(|check| check.steps.insert(0, combined));
+    }
+    Ok(checks)
 }
 
 /// A check in one arithmetic after the other, with the reference run of the last one: most share it.
 struct CheckTask<'a, F> {
     config: &'a Config,
     pixels: &'a [f32],
+    /// Further bands for the same front.
+    further: Vec<&'a [f32]>,
     size: (usize, usize),
     tolerances: F,
     reference: Option<(Config, Stages)>,
@@ -181,6 +208,7 @@ impl<F: Fn(Tolerances) -> Tolerances> Task for CheckTask<'_, F> {
 
     fn run<A: Arithmetic>(&mut self) -> Self::Output {
         let check = match (self.config.sky.is_known(), A::NAME) {
+            (false, _) if !self.further.is_empty() => self.on_bands::<A>(),
             (false, _) => self.on_pixels::<A>(),
             (true, <f32 as Level>::NAME) => self.on_signal::<A, f32>(),
             (true, <Fixed14 as Level>::NAME) => self.on_signal::<A, Fixed14>(),
@@ -194,6 +222,15 @@ impl<F: Fn(Tolerances) -> Tolerances> Task for CheckTask<'_, F> {
 }
 
 impl<F: Fn(Tolerances) -> Tolerances> CheckTask<'_, F> {
+    /// The checks in every arithmetic that serves.
+    fn checks(mut self) -> Result<Vec<Check>, CheckError> {
+        if let Some(what) = unheard_of(self.config) {
+            return Err(CheckError::NoReference(what));
+        }
+        let checks: Result<Vec<_>, _> = arithmetics::each(&mut self).into_iter().collect();
+        Ok(checks?.into_iter().flatten().collect())
+    }
+
     /// The paper's steps.
     fn on_pixels<A: Arithmetic>(&mut self) -> Result<Check, CheckError> {
         let (width, height) = self.size;
@@ -211,6 +248,21 @@ impl<F: Fn(Tolerances) -> Tolerances> CheckTask<'_, F> {
         let unit = f64::from(Profile::new(&config, width, height).unit);
         let comparison = compare(self.pixels, &core, &stages, unit);
         self.reference = Some((config, stages));
+        Ok(self.check::<A>(&config, steps, comparison))
+    }
+
+    /// The front of the paper's two regions in several bands.
+    fn on_bands<A: Arithmetic>(&mut self) -> Result<Check, CheckError> {
+        let (width, height) = self.size;
+        let config = adapted::<A>(self.config);
+        let bands: Vec<&[f32]> = std::iter::once(self.pixels).chain(self.further.iter().copied()).collect();
+        let mut drive = Drive { bands: &self.further, ..Drive::default() };
+        let core = segment_in::<A>(&config, self.pixels, width, height, &mut drive)?;
+        let steps = walk_bands::<A>(&config, &parameters(&config), &bands, self.size)?;
+        let wide: Vec<Vec<f64>> = bands.iter().map(|band| band.iter().map(|&v| v.into()).collect()).collect();
+        let whole = run_in(&parameters(&config), &wide, width, height)?;
+        let unit = f64::from(Profile::new(&config, width, height).unit);
+        let comparison = compare_bands(self.pixels, &core, &whole, unit);
         Ok(self.check::<A>(&config, steps, comparison))
     }
 

@@ -17,7 +17,11 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
             }
             c::Normalize::Noise { below, above } => r::Normalize::Noise(decimal(below), decimal(above)),
         },
-        rescale: rescale(config.rescale),
+        rescale: match config.scheme {
+            // That of regions has no rescaled image.
+            c::Scheme::Region => r::Rescale::None,
+            _ => rescale(config.rescale),
+        },
         tau: match config.rescale {
             c::Rescale::R3 { tau: c::Tau::Value(tau), .. } => r::Tau::Value(decimal(tau)),
             c::Rescale::R3 { tau: c::Tau::Noise { k }, .. } => r::Tau::Noise(decimal(k)),
@@ -50,7 +54,9 @@ pub fn parameters(config: &c::Config) -> r::Parameters {
         mu: decimal(config.chan_vese.mu),
         lambda: (decimal(config.chan_vese.lambda1), decimal(config.chan_vese.lambda2)),
         start_margin: match config.start {
-            c::Start::Threshold { margin } if !config.scheme.has_two_fronts() => Some(decimal(margin)),
+            c::Start::Threshold { margin } if config.scheme != c::Scheme::Region && !config.scheme.has_two_fronts() => {
+                Some(decimal(margin))
+            }
             _ => None,
         },
         curvature_form: match config.curvature_form {

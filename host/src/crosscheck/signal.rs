@@ -10,12 +10,13 @@ use super::notes::{Difference, Notes};
 use super::rounding::bit;
 use super::settings::{parameters, settings};
 use super::walk::walk;
+use crate::evolution::filter_in;
 use crate::pipeline::{Drive, Segmentation, segment_in};
 use crate::planes::SignalRoom;
 use crate::reference::noise_aware::{
     self as reference, Facts, Judge, Mesh, Region, Regions, Settings, Sky, Slack, Tail,
 };
-use crate::reference::{Plane, ReferenceError, is_beyond_reach};
+use crate::reference::{Parameters, Plane, ReferenceError, is_beyond_reach};
 use skyfront_core::arithmetic::{Arithmetic, Level, Real};
 use skyfront_core::config::{Config, Scheme};
 use skyfront_core::front::outline::{Front, ROWS};
@@ -55,6 +56,17 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
                 walk.see::<L>(stage, &before, &after);
                 before = after;
             }
+            Progress::Filter => {
+                let image: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
+                let (asked, mut last) = (parameters(config), Vec::new());
+                walk.notes.found.extend(self::walk::<A>(config, &asked, &image, (width, height), &mut |_, run| {
+                    last = run.image().iter().map(|&cell| f64::from(A::pixel(cell).to_f32())).collect();
+                })?);
+                let filtered = filter_in::<A>(config, &image, width, &mut Drive::default())?.image;
+                run.start_from(|at| filtered[at]);
+                walk.filtered(&asked, &image, &last, &filtered)?;
+                before = Left::of(&run, walk.asked.cell, width);
+            }
             Progress::Front => {
                 let image: Vec<f32> = run.image().iter().map(|value| value.to_f32()).collect();
                 walk.notes.found.extend(self::walk::<A>(
@@ -82,6 +94,9 @@ pub fn whole_run(config: &Config, pixels: &[f32], width: usize) -> Result<refere
     let (asked, parameters) = (settings(config), parameters(config));
     let pixels: Vec<f64> = pixels.iter().map(|&v| v.into()).collect();
     reference::run(&asked, &pixels, width, |image, fine| {
+        if config.scheme == Scheme::Region && config.filter.is_stepped() {
+            return Ok(reference::region_front(&asked, &crate::reference::filtered(&parameters, image)?, fine));
+        }
         if config.scheme == Scheme::Region {
             return Ok(reference::region_front(&asked, image, fine));
         }
@@ -214,6 +229,8 @@ struct Walk {
     facts: Facts,
     defined: Vec<bool>,
     signals: Vec<bool>,
+    /// What a filter in steps left, for the front to start from.
+    filtered: Option<Plane>,
     /// The noise of the fine image, and the photon noise.
     noise: f64,
     photon: f64,
@@ -237,6 +254,7 @@ impl Walk {
             grain: if fixed { bit(14) } else { 0.0 },
             brightest: if fixed { 32_768.0 } else { f64::INFINITY },
             signals: reference::has_signal(&defined, width),
+            filtered: None,
             defined,
             facts,
             pixels,
@@ -401,17 +419,34 @@ impl Walk {
         self.notes.count("mask", wrong);
     }
 
+    /// Signal-to-noise after a filter in steps, whose last image lies between 0 and 1.
+    fn filtered(
+        &mut self,
+        asked: &Parameters,
+        image: &[f32],
+        last: &[f64],
+        filtered: &[f32],
+    ) -> Result<(), ReferenceError> {
+        let (width, height) = (self.width, image.len() / self.width);
+        let plane =
+            |value: &dyn Fn(usize) -> f64| Plane::from_fn(width, height, |i, j| value(j as usize * width + i as usize));
+        let pixels: Vec<f64> = image.iter().map(|&v| v.into()).collect();
+        let range = crate::reference::range(asked.normalize, &pixels)?;
+        let exact = crate::reference::denormalized(range, &plane(&|at| last[at]));
+        let core = plane(&|at| filtered[at].into());
+        let off = exact.map(|_| bit(22) * (range.0.abs() + range.1.abs()));
+        self.plane("smoothed", &core, &exact, &off);
+        self.filtered = Some(core);
+        Ok(())
+    }
+
     fn front<L: Level>(&mut self, before: &Left, after: &Left) {
         use reference::{FLAT, start, step};
         let (asked, width, height) = (self.asked, self.width, before.fine.height());
-        let outline = self.config.outline;
-        let front = Front::<L> {
-            threshold: L::of(outline.threshold),
-            curvature: L::Weight::of(outline.curvature),
-            steps: outline.steps,
-        };
+        let front = Front::<L>::new(self.config.outline);
+        let filtered = self.filtered.clone();
         let image = match asked.smoothing {
-            reference::Smoothing::None => &before.signal,
+            reference::Smoothing::None => filtered.as_ref().unwrap_or(&before.signal),
             reference::Smoothing::Fine => &before.fine,
             reference::Smoothing::ByNeed => &before.smooth,
         };

@@ -4,14 +4,14 @@ use super::CheckError;
 use super::notes::{Difference, Notes};
 use super::rounding::{Rounding, bit};
 use crate::pipeline::MOST_SOURCES;
-use crate::planes::Room;
+use crate::planes::{BandRoom, Room};
 use crate::reference::multiphase::{self, Fronts};
 use crate::reference::{self as r, Filtering, Order, Parameters, Plane, Rescale, Scheme};
 use skyfront_core::arithmetic::{Arithmetic, Cell, Real};
-use skyfront_core::config::Config;
+use skyfront_core::config::{self as c, Config};
 use skyfront_core::front::pair;
 use skyfront_core::image::filter::total_variation::components;
-use skyfront_core::run::frame::SliceFrame;
+use skyfront_core::run::frame::{BandFrame, SliceFrame};
 use skyfront_core::run::outcome::{Outcome, Progress};
 use skyfront_core::run::segmenter::Segmenter;
 use skyfront_core::run::stage::Stage;
@@ -31,16 +31,20 @@ pub fn walk<A: Arithmetic>(
 ) -> Result<Vec<Difference>, CheckError> {
     let mut room = Room::<A>::new(config, width, height, (width * height / 4).clamp(1, MOST_SOURCES));
     let mut run = Segmenter::<A>::new(config, width, height, room.memory())?;
-    let mut walk = Walk::new::<A>(*parameters, pixels, (width, height), f64::from(run.unit()));
-    walk.measuring_passes = config.filter.passes(config.filter_steps).saturating_sub(parameters.filter.passes());
+    let mut walk = Walk::new(config, *parameters, pixels, &run, None);
     loop {
         let stage = run.stage();
         let progress = run.poll(usize::MAX, &mut SliceFrame(pixels))?;
         meddle(stage, &mut run);
         walk.see(stage, &run, &progress);
         if let Progress::Done(outcome) = progress {
-            let tau = A::Real::of(outcome.tau).to_f32();
-            walk.image_steps(&outcome, f64::from(tau))?;
+            walk.image_steps::<A>(&outcome)?;
+            // The front of regions is another's.
+            if config.scheme != c::Scheme::Region {
+                let levels = [level::<A>(&outcome)];
+                walk.start_level(levels[0]);
+                walk.front_steps(&outcome, &levels);
+            }
             // On signal-to-noise sources are another's concern.
             if !config.sky.is_known() {
                 walk.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
@@ -50,8 +54,69 @@ pub fn walk<A: Arithmetic>(
     }
 }
 
+/// The same of a front in several bands ([`skyfront_core::front::bands`]).
+///
+/// # Errors
+/// Those of [`walk`].
+pub fn walk_bands<A: Arithmetic>(
+    config: &Config,
+    parameters: &Parameters,
+    bands: &[&[f32]],
+    (width, height): (usize, usize),
+) -> Result<Vec<Difference>, CheckError> {
+    let mut room = Room::<A>::new(config, width, height, (width * height / 4).clamp(1, MOST_SOURCES));
+    let mut more = BandRoom::<A>::new(bands.len(), width * height);
+    let mut run = Segmenter::<A>::of_bands(config, width, height, room.memory(), more.bands())?;
+    let of_band = |(at, pixels): (usize, &&[f32])| Walk::new(config, *parameters, pixels, &run, Some(at));
+    let mut walks: Vec<Walk> = bands.iter().enumerate().map(of_band).collect();
+    // Bands are made ready from the last to the first, and levels found.
+    let (mut images, mut starts) = ((0..bands.len()).rev(), (0..bands.len()).rev());
+    let (mut at, mut levels) = (images.next().unwrap_or_default(), vec![0.0; bands.len()]);
+    loop {
+        let (stage, known) = (run.stage(), run.outcome());
+        let progress = run.poll(usize::MAX, &mut BandFrame(bands))?;
+        if stage.is_of_band() {
+            walks[at].see(stage, &run, &progress);
+            if !run.stage().is_of_band() || run.stage() == Stage::Extremes {
+                walks[at].image_steps::<A>(&known)?;
+                levels[at] = level::<A>(&known);
+                at = images.next().unwrap_or_default();
+            }
+            continue;
+        }
+        if stage == Stage::StartLevel
+            && let Some(at) = starts.next()
+        {
+            levels[at] = level::<A>(&run.outcome());
+            walks[at].start_level(levels[at]);
+        }
+        let Some((first, others)) = walks.split_first_mut() else { return Ok(Vec::new()) };
+        if first.further.len() < others.len() {
+            first.further = others.iter().map(|walk| walk.image.clone()).collect();
+        }
+        first.see(stage, &run, &progress);
+        if let Progress::Done(outcome) = progress {
+            first.front_steps(&outcome, &levels);
+            first.sources(&outcome, run.front().iter().map(|cell| cell.label()), run.catalog());
+            for note in others.iter().flat_map(|walk| &walk.notes.found) {
+                first.notes.add(note.step, note.max, note.beyond);
+            }
+            return Ok(std::mem::take(&mut first.notes.found));
+        }
+    }
+}
+
+/// The threshold of `r3`, or that of the start, as the arithmetic has it.
+fn level<A: Arithmetic>(outcome: &Outcome) -> f64 {
+    A::Real::of(outcome.tau).to_f32().into()
+}
+
 /// What was seen of a run so far.
 struct Walk {
+    /// Which of several bands is looked at.
+    band: Option<usize>,
+    /// What the front sees of the bands after it.
+    further: Vec<Plane>,
     p: Parameters,
     rounding: Rounding,
     pixels: Vec<f64>,
@@ -84,12 +149,21 @@ struct Walk {
 }
 
 impl Walk {
-    fn new<A: Arithmetic>(p: Parameters, pixels: &[f32], (width, height): (usize, usize), unit: f64) -> Walk {
+    fn new<A: Arithmetic>(
+        config: &Config,
+        p: Parameters,
+        pixels: &[f32],
+        run: &Segmenter<'_, A>,
+        band: Option<usize>,
+    ) -> Walk {
+        let (width, height) = run.size();
         let empty = Plane::from_fn(width, height, |_, _| 0.0);
         Walk {
+            band,
+            further: Vec::new(),
             rounding: Rounding::of::<A>(p.band),
             pixels: pixels.iter().map(|&v| v.into()).collect(),
-            unit,
+            unit: run.unit().into(),
             limit: f64::from(A::LIMIT),
             settles: p.band.is_some()
                 && A::NEEDS_BAND.is_none()
@@ -101,7 +175,7 @@ impl Walk {
             unfiltered: None,
             filtering: None,
             filter_passes: 0,
-            measuring_passes: 0,
+            measuring_passes: config.filter.passes(config.filter_steps).saturating_sub(p.filter.passes()),
             g: None,
             u0: None,
             front: empty,
@@ -120,7 +194,8 @@ impl Walk {
 
     /// Looks at what a pass left behind.
     fn see<A: Arithmetic>(&mut self, stage: Stage, run: &Segmenter<'_, A>, progress: &Progress) {
-        let image = || self.plane(|at| run.image().get(at).map_or(f64::NAN, |&cell| A::pixel(cell).to_f32().into()));
+        let cells = self.band.map_or(run.image(), |band| run.band(band));
+        let image = || self.plane(|at| cells.get(at).map_or(f64::NAN, |&cell| A::pixel(cell).to_f32().into()));
         let front_of = |value: &dyn Fn(A::Cell) -> A::Real| {
             let value = |&cell: &A::Cell| f64::from(value(cell).to_f32()) / self.unit;
             self.plane(|at| run.front().get(at).map_or(f64::NAN, value))
@@ -232,28 +307,32 @@ impl Walk {
         }
     }
 
-    /// Steps 1 to 4 and the front before it moves.
-    fn image_steps(&mut self, outcome: &Outcome, tau: f64) -> Result<(), CheckError> {
+    /// Steps 1 to 3.
+    fn image_steps<A: Arithmetic>(&mut self, outcome: &Outcome) -> Result<(), CheckError> {
         self.normalisation(outcome)?;
         let none = self.image.clone();
         let normalised = self.normalised.clone().unwrap_or(none);
-        let last = self.image.clone();
         let into_rescaling = match (self.p.order, &self.filtered) {
             (Order::FilterFirst, Some(filtered)) => filtered.clone(),
             _ => normalised,
         };
         self.threshold(outcome, &into_rescaling);
-        self.rescaling(&into_rescaling, tau);
+        self.rescaling(&into_rescaling, level::<A>(outcome));
         if self.filtered.is_some() != (self.p.filter.passes() > 0) {
             self.notes.missing("filtered");
         }
+        Ok(())
+    }
+
+    /// Step 4 and the front before it moves, in each band around what is above its level.
+    fn front_steps(&mut self, outcome: &Outcome, levels: &[f64]) {
+        let last = self.image.clone();
         if !self.is_by_regions() {
             self.detector(outcome, &last);
         }
         if self.p.scheme != Scheme::Multiphase {
-            self.start(&last, tau);
+            self.start(&last, levels);
         }
-        Ok(())
     }
 
     fn is_by_regions(&self) -> bool {
@@ -277,13 +356,19 @@ impl Walk {
         Ok(())
     }
 
-    /// The threshold that r3 used, or from which the front starts.
+    /// The threshold that r3 used.
     fn threshold(&mut self, outcome: &Outcome, image: &Plane) {
         let defined: Vec<bool> = self.pixels.iter().map(|v| v.is_finite()).collect();
-        let rule = r::threshold(self.p.rescale, self.p.tau, image, &defined);
-        let level = || self.p.start_margin.map(|_| r::otsu(self.image.values().iter().copied()));
-        if let Some(tau) = rule.or_else(level) {
+        if let Some(tau) = r::threshold(self.p.rescale, self.p.tau, image, &defined) {
             self.notes.number("tau", outcome.tau.into(), tau, tau);
+        }
+    }
+
+    /// The level around which the front starts, where r3 has no threshold.
+    fn start_level(&mut self, level: f64) {
+        if self.p.start_margin.is_some() && !matches!(self.p.rescale, Rescale::R3 { .. }) {
+            let otsu = r::otsu(self.image.values().iter().copied());
+            self.notes.number("tau", level, otsu, otsu);
         }
     }
 
@@ -317,16 +402,21 @@ impl Walk {
         self.notes.plane("g", &core, &low, &high);
     }
 
-    fn start(&mut self, image: &Plane, level: f64) {
+    fn start(&mut self, image: &Plane, levels: &[f64]) {
         let Some(core) = self.u0.clone() else { return self.notes.missing("u0") };
         let (reference, roundings) = match self.p.start_margin {
             None => (r::framed(&self.p, image.width(), image.height()), 1.0),
             // A distance is a sum of as many steps.
-            Some(margin) => (r::near(&self.p, image, level, margin), margin + 4.0),
+            Some(margin) => (r::near_any(&self.p, &self.seen(image), levels, margin), margin + 4.0),
         };
         let (off, limit) = (self.rounding.start * roundings / self.unit, self.limit / self.unit);
         let reference = reference.map(|u| u.clamp(-limit, limit));
         self.notes.plane("u0", &core, &reference.map(|u| u - off), &reference.map(|u| u + off));
+    }
+
+    /// What the front sees of all bands.
+    fn seen(&self, image: &Plane) -> Vec<Plane> {
+        std::iter::once(image).chain(&self.further).cloned().collect()
     }
 
     /// What the front moves over: the edge detector, or for regions the image.
@@ -336,7 +426,13 @@ impl Walk {
 
     /// One step of the front, in its own unit.
     fn front_step(&mut self, next: &Plane) {
-        let step = |p: &Parameters| self.settled(&r::step(p, self.speed(), &self.front));
+        let step = |p: &Parameters| {
+            let moved = match self.further[..] {
+                [] => r::step(p, self.speed(), &self.front),
+                _ => r::chan_vese::step(p, &self.seen(&self.image), &self.front),
+            };
+            self.settled(&moved)
+        };
         let reference = step(&self.p);
         let off = self.step_off();
         let apart = |low: &Plane, high: &Plane| {

@@ -56,7 +56,7 @@ pub use rescale::{r1, r2, r3, rescale, threshold};
 pub use segments::{centroids, is_beyond_reach, label, sources};
 pub use settle::settle;
 pub use threshold::{kapur, noise, rosin};
-pub use vector::{Vector, run_in};
+pub use vector::{Vector, near_any, run_in};
 
 /// Everything the algorithm computed on its way, row-major with row 0 first.
 #[derive(Clone, Debug)]
@@ -150,6 +150,21 @@ pub fn run_from(parameters: &Parameters, pixels: &[f64], u0: Plane) -> Result<St
         ended,
         changes,
     })
+}
+
+/// An image filtered by itself: normalised, filtered, and in its own units again.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn filtered(parameters: &Parameters, image: &Plane) -> Result<Plane, ReferenceError> {
+    parameters.check()?;
+    let Prepared { range, filtered, .. } = Prepared::of(parameters, image.values(), image.width(), image.height())?;
+    Ok(denormalized(range, &filtered))
+}
+
+/// The image that becomes `normalised` by `range`, clipped to that.
+pub fn denormalized((low, high): (f64, f64), normalised: &Plane) -> Plane {
+    normalised.map(|v| low + (high - low) * v)
 }
 
 /// Steps 1 to 3 of an image.

@@ -20,6 +20,14 @@ pub struct Vector {
     pub labels: Vec<u32>,
 }
 
+/// The front that starts around what is above its own level in any band.
+pub fn near_any(p: &Parameters, bands: &[Plane], levels: &[f64], margin: f64) -> Plane {
+    let (width, height) = bands.first().map_or((0, 0), |first| (first.width(), first.height()));
+    let above = |i, j| bands.iter().zip(levels).any(|(band, &level)| band.at(i, j) > level);
+    let objects = Plane::from_fn(width, height, |i, j| if above(i, j) { 1.0 } else { 0.0 });
+    near(p, &objects, 0.5, margin)
+}
+
 /// Moves one front in bands of `width` x `height` pixels each.
 ///
 /// # Errors
@@ -34,9 +42,7 @@ pub fn run_in(p: &Parameters, bands: &[Vec<f64>], width: usize, height: usize) -
         Some(margin) => {
             let level = |at: usize| prepared[at].tau.unwrap_or_else(|| otsu(bands[at].values().iter().copied()));
             let levels: Vec<f64> = (0..bands.len()).map(level).collect();
-            let above = |i, j| bands.iter().zip(&levels).any(|(band, &level)| band.at(i, j) > level);
-            let objects = Plane::from_fn(width, height, |i, j| if above(i, j) { 1.0 } else { 0.0 });
-            near(p, &objects, 0.5, margin)
+            near_any(p, &bands, &levels, margin)
         }
     };
     let evolution = evolve_in(p, &bands, &u0);

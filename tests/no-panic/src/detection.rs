@@ -3,6 +3,7 @@
 use skyfront_core::arithmetic::Fixed14;
 use skyfront_core::config::Config;
 use skyfront_core::run::extract::catalogue::Measuring;
+use skyfront_core::image::normalize::Range;
 use skyfront_core::run::extract::{Extractor, Found, Progress, extract};
 use skyfront_core::run::workspace::{self, Workspace};
 use skyfront_core::sky::view::Known;
@@ -45,6 +46,8 @@ fn room(width: usize, height: usize, cell: usize) -> [usize; 4] {
 #[unsafe(export_name = "extractor")]
 fn with_a_front(run: &mut Extractor<'_, '_, f32>, inside: &[bool], rows: usize) -> Result<Progress, Error> {
     run.outline(|at| inside.get(at).copied().unwrap_or(false));
+    let range = Range { low: -3.0, high: 30.0 };
+    run.start_from(|at| range.pixel(f32::from(u8::from(inside.get(at).copied().unwrap_or(false)))));
     run.poll(rows)
 }
 

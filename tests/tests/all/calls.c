@@ -107,6 +107,55 @@ static void runs(void)
   is("columns", packet[16], W);
 }
 
+static void searches(void)
+{
+  static uint64_t memory[16384], sums[2048];
+  const skyfront_camera camera = {64, 2, 7, 4095, 1}, dark = {64, 0, 7, 4095, 1};
+  skyfront_search_setup setup = {.pixels_u8 = bytes, .width = W, .height = H, .stride = W, .regions = 100};
+  skyfront_search *search = NULL;
+  skyfront_search_progress progress = {.done = 0};
+  skyfront_measured source;
+  char said[96];
+  uint32_t done = 0;
+  const size_t all = sizeof memory;
+  is("room", skyfront_search_bytes(W, H, 100) <= all, 1);
+  setup.camera = &dark;
+  is("gain", skyfront_search_start(memory, all, &setup, &search, said, sizeof said), SKYFRONT_ERROR_PARAMETER);
+  is("said", strncmp(said, "gain is 0; must be at least", 27), 0);
+  setup.camera = (const skyfront_camera *)((const char *)&camera + 1);
+  is("odd", skyfront_search_start(memory, all, &setup, &search, NULL, 0), SKYFRONT_ERROR_POINTER);
+  setup.camera = &camera;
+  is("short", skyfront_search_start(memory, all / 4, &setup, &search, NULL, 0), SKYFRONT_ERROR_LENGTH);
+  const skyfront_setting filter = {"filter", "median"};
+  setup.settings = &filter, setup.setting_count = 1;
+  is("filter", skyfront_search_start(memory, all, &setup, &search, said, sizeof said), SKYFRONT_ERROR_FRONT);
+  is("said", strstr(said, "in Rust only") != NULL, 1);
+  setup.setting_count = 0;
+  is("good", skyfront_search_start(memory, all, &setup, &search, NULL, 0), SKYFRONT_OK);
+  is("early", skyfront_search_measure_start(search, sums, sizeof sums), SKYFRONT_ERROR_NOT_DONE);
+  is("early", skyfront_search_measure(search, 1, &done), SKYFRONT_ERROR_NOT_DONE);
+  is("early", skyfront_search_source(search, 0, &source), SKYFRONT_ERROR_NOT_DONE);
+  int32_t error = SKYFRONT_OK;
+  while (error == SKYFRONT_OK && !progress.done) {
+    error = skyfront_search_poll(search, 5, &progress);
+  }
+  is("run", error, SKYFRONT_OK);
+  is("source", progress.sources, 1);
+  is("no room", skyfront_search_measure_start(search, NULL, 0), SKYFRONT_ERROR_POINTER);
+  is("too little", skyfront_search_measure_start(search, sums, 64), SKYFRONT_ERROR_LENGTH);
+  is("enough", skyfront_search_measure_start(search, sums, skyfront_catalogue_bytes(1)), SKYFRONT_OK);
+  is("early", skyfront_search_source(search, 0, &source), SKYFRONT_ERROR_NOT_DONE);
+  while (error == SKYFRONT_OK && !done) {
+    error = skyfront_search_measure(search, 5, &done);
+  }
+  is("measured", error, SKYFRONT_OK);
+  is("source", skyfront_search_source(search, 1, &source), SKYFRONT_ERROR_INDEX);
+  is("source", skyfront_search_source(search, 0, NULL), SKYFRONT_ERROR_POINTER);
+  is("source", skyfront_search_source(search, 0, &source), SKYFRONT_OK);
+  is("place", source.x > 21.5 && source.x < 22.5 && source.y > 11.5 && source.y < 12.5, 1);
+  is("light", source.flux > 3000 && source.flux < 5000 && source.flux_error > 0, 1);
+}
+
 static void packets(void)
 {
   static uint8_t packet[SKYFRONT_PACKET_LEAST_BYTES];
@@ -178,6 +227,7 @@ int main(void)
 {
   windows();
   runs();
+  searches();
   packets();
   tables();
   sizes();

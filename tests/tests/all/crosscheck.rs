@@ -1,7 +1,11 @@
 //! `skyfront crosscheck` and `skyfront reproduce` as a user runs them: verdicts, JSON, test vectors and the captions.
 
 use serde_json::Value;
+use skyfront::crosscheck::combination;
+use skyfront::input::Combine;
+use skyfront::read::Image;
 use skyfront::reproduce::captions;
+use skyfront::truth::simulated;
 use skyfront::write::fits::Writer;
 use skyfront_core::config::{Config, Filter, Order};
 use skyfront_core::run::frame::Frame;
@@ -121,7 +125,8 @@ const DEFAULT_STEPS: [&str; 16] = [
 #[test]
 fn the_default_passes_step_by_step() {
     let (_folder, sky) = with_sky("crosscheck-default");
-    for (options, scheme) in [(&[][..], "region"), (&["--preset", "rsa"], "fd")] {
+    let options = [&[][..], &["--filter", "median5"], &["--preset", "rsa"]];
+    for (options, scheme) in options.into_iter().zip(["region", "region", "fd"]) {
         let run = skyfront(["crosscheck", &sky, "--json"].iter().chain(options));
         assert_eq!(run.status.code(), Some(0), "{}{}", text(&run), messages(&run));
         let report: Value = serde_json::from_slice(&run.stdout).expect("JSON and nothing else");
@@ -134,6 +139,8 @@ fn the_default_passes_step_by_step() {
             let steps: Vec<&str> = compared.iter().flat_map(|step| step["step"].as_str()).collect();
             let missing = DEFAULT_STEPS.iter().filter(|step| !steps.contains(step));
             assert_eq!(missing.collect::<Vec<_>>(), [&""; 0], "{check}");
+            let filters = options.contains(&"median5");
+            assert!(["filtered", "smoothed"].iter().all(|step| steps.contains(step) == filters), "{check}");
             assert!(scheme == "region" || STEPS[..11].iter().all(|step| *step == "filtered" || steps.contains(step)));
             assert!(
                 compared[1]["max"].as_f64() > Some(0.0),
@@ -154,6 +161,66 @@ fn brackets_choose_a_part_of_the_image() {
     assert_eq!(run.status.code(), Some(0), "{}{}", text(&run), messages(&run));
     let outside = skyfront(["crosscheck", &format!("{sky}[5:44,3:99]")]);
     assert!(outside.status.code() == Some(1) && messages(&outside).contains("52 x 44"), "{}", messages(&outside));
+}
+
+/// Images that are searched together: their combination and the run over it, or one front in all of them.
+#[test]
+fn images_searched_together_pass_step_by_step() {
+    let folder = Folder::new("crosscheck-together");
+    let skies = ["31", "32", "33"].map(|seed| {
+        let out = folder.file(seed);
+        let sky = skyfront(["simulate", "--kind", "noisy", "--seed", seed, "--side", "60", "--out", &out]);
+        assert!(sky.status.success(), "{}", messages(&sky));
+        format!("{out}/sky.fits")
+    });
+    let line = ["crosscheck", &skies[0], "--json", "--with", &skies[1], "--with", &skies[2]];
+    let vector: &[&str] = &["--preset", "chan-vese", "--combine", "vector"];
+    let chi2_of_paper: &[&str] = &["--preset", "chan-vese", "--combine", "chi2"];
+    for (options, combined, arithmetics) in
+        [(&[][..], true, 2), (&["--combine", "chi2"], true, 2), (chi2_of_paper, true, 3), (vector, false, 2)]
+    {
+        let run = skyfront(line.iter().chain(options));
+        assert_eq!(run.status.code(), Some(0), "{options:?}: {}{}", text(&run), messages(&run));
+        let report: Value = serde_json::from_slice(&run.stdout).expect("JSON and nothing else");
+        let checks = report["checks"].as_array().expect("a list of checks");
+        assert_eq!(checks.len(), arithmetics, "{options:?}");
+        for check in checks {
+            let compared = check["compared"].as_array().expect("the steps that were compared");
+            let steps: Vec<&str> = compared.iter().flat_map(|step| step["step"].as_str()).collect();
+            assert_eq!(steps.contains(&"combined"), combined, "{options:?}");
+            let of_front =
+                ["levels", "normalised", "rescaled", "filtered", "tau", "u0", "u", "change", "stop", "labels"];
+            assert!(options != vector || of_front.iter().all(|step| steps.contains(step)), "{steps:?}");
+            assert_eq!(check["whole_run"]["sources"]["core"], check["whole_run"]["sources"]["reference"]);
+        }
+    }
+    for (options, expected) in [
+        (&["--with", &skies[1], "--combine", "vector"][..], "--combine vector needs --scheme chan-vese"),
+        (&["--with", &skies[1], "--combine", "sum"], "invalid value 'sum'"),
+        (&["--combine", "chi2"], "--with <IMAGE2>"),
+        (&["--with", &skies[1], "--vectors", "nowhere"], "cannot be used with"),
+    ] {
+        let run = skyfront(["crosscheck", &skies[0]].iter().chain(options));
+        assert_eq!(run.status.code(), Some(2), "{options:?}: {}", text(&run));
+        assert!(messages(&run).contains(expected), "{options:?}: {}", messages(&run));
+    }
+}
+
+/// A combination of another kind, or of other images, is noticed.
+#[test]
+fn other_combinations_are_noticed() {
+    const SIDE: usize = 60;
+    let [mut one, two] = [31, 32].map(|seed| simulated(Kind::Noisy, seed, SIDE, SIDE).0);
+    one.pixels[200] = f32::NAN;
+    let together = Combine::Chi2.of(&[&one, &two]);
+    let beyond = |images: [&Image; 2], how| {
+        let images = images.map(|image| image.pixels.as_slice());
+        combination(&images, how, &together, SIDE).map(|found| found.beyond > 0.0)
+    };
+    assert_eq!(beyond([&one, &two], Combine::Chi2), Some(false));
+    assert_eq!(beyond([&one, &two], Combine::Weighted), Some(true));
+    assert_eq!(beyond([&one, &one], Combine::Chi2), Some(true));
+    assert_eq!(beyond([&one, &two], Combine::Vector), None, "they stay apart");
 }
 
 /// In miniature what `tests/proof/crosscheck` does: every preset, in every arithmetic that serves it.

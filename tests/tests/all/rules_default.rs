@@ -6,7 +6,7 @@ use skyfront::machine::Native;
 use skyfront::reference::Connectivity as Touching;
 use skyfront::reference::noise_aware::{Settings, Smoothing};
 use skyfront_core::arithmetic::{F32, Fixed14, Q24};
-use skyfront_core::config::{Background, Config, Connectivity, Filter, Select, Separate};
+use skyfront_core::config::{Background, Config, Connectivity, Filter, Normalize, Select, Separate};
 use skyfront_core::simulate::Kind;
 use skyfront_tests::noise::{add_star, correlated, gaussian};
 use skyfront_tests::runs::sky;
@@ -162,6 +162,29 @@ fn every_choice_is_the_reference_s() {
             let wrong = differing(config, &settings(config), pixels, WIDTH);
             assert_eq!(wrong, [""; 0], "sky {number}, {config:?}");
         }
+    }
+}
+
+/// What filters in steps leave of signal-to-noise, and a front that starts from it.
+#[test]
+fn every_filter_in_steps_is_the_reference_s() {
+    let skies = [sky(Kind::Noisy, 2, WIDTH, HEIGHT), counts(), filled()];
+    let stepped = Filter::ALL.iter().copied().filter(|filter| filter.is_stepped());
+    let filters: Vec<Config> =
+        stepped.map(|filter| Config { filter, filter_steps: 3, ..Config::NOISE_AWARE }).collect();
+    let percentiles = Normalize::Percentile { low: 0.5, high: 99.9 };
+    let others = [
+        Config { normalize: percentiles, ..filters[0] },
+        Config { normalize: Normalize::MinMax, separate: Separate::Components, ..filters[0] },
+        Config { filter_steps: 0, ..filters[0] },
+    ];
+    for (number, pixels) in skies.iter().enumerate() {
+        for config in filters.iter().chain(&others) {
+            let wrong = differing(config, &settings(config), pixels, WIDTH);
+            assert_eq!(wrong, [""; 0], "sky {number}, {config:?}");
+        }
+        let other = Settings { smoothing: Smoothing::ByNeed, ..settings(&filters[0]) };
+        assert!(differing(&filters[0], &other, pixels, WIDTH).contains(&"u"), "sky {number}");
     }
 }
 

@@ -1,10 +1,10 @@
 //! One contour for several bands: the energy, known answers, and the promises that every scheme keeps.
 
 use crate::chan_vese::length;
+use skyfront::crosscheck::{Difference, parameters, walk_bands};
 use skyfront::pipeline::{Drive, Segmentation, segment, segment_in};
 use skyfront::planes::{BandRoom, Room};
-use skyfront::reference::{chan_vese, half_side, run_in};
-use skyfront::{crosscheck::parameters, reference::Plane};
+use skyfront::reference::{self, Parameters, Plane, chan_vese, half_side, run_in};
 use skyfront_core::arithmetic::{Arithmetic, Bits, F32, Q11, Q24, Real};
 use skyfront_core::config::{ChanVese, Config, Filter, Normalize, Order, Rescale, Scheme, Start};
 use skyfront_core::error::Error;
@@ -301,6 +301,31 @@ fn the_reference_agrees() {
     }
     let noise = Normalize::Noise { below: 3.0, above: 30.0 };
     reference_agrees::<F32>(&Config { normalize: noise, order: Order::FilterFirst, ..plain() });
+}
+
+/// Every step of a front in several bands is the reference's, and a reference that is asked for anything else is not.
+#[test]
+fn each_step_is_the_reference_s_and_others_are_noticed() {
+    let skies = bands(SIDE, SIDE);
+    let slices: Vec<&[f32]> = skies.iter().map(Vec::as_slice).collect();
+    let config = Config::CHAN_VESE;
+    let differing = |p: &Parameters| {
+        let found = walk_bands::<F32>(&config, p, &slices, (SIDE, SIDE)).expect("a sky");
+        let wrong = |note: &Difference| note.beyond > if note.step == "centroids" { 1e-3 } else { 1e-6 };
+        found.into_iter().filter(wrong).map(|note| note.step).collect::<Vec<_>>()
+    };
+    let p = parameters(&config);
+    assert_eq!(differing(&p), [""; 0]);
+    let others: [(Parameters, &str); 5] = [
+        (Parameters { mu: 1.1 * p.mu, ..p }, "u"),
+        (Parameters { lambda: (1.01, 1.0), ..p }, "u"),
+        (Parameters { start_margin: Some(2.0), ..p }, "u0"),
+        (Parameters { normalize: reference::Normalize::Noise(3.0, 29.0), ..p }, "levels"),
+        (Parameters { filter: reference::Filter::None, ..p }, "filtered"),
+    ];
+    for (other, step) in others {
+        assert!(differing(&other).contains(&step), "{step}: {:?}", differing(&other));
+    }
 }
 
 #[test]

@@ -98,7 +98,7 @@ impl Room {
             let stage = match run.progress() {
                 Progress::Next(stage) => stage,
                 Progress::Done(found) => break found.sources,
-                Progress::Front => return Err(Error::Waiting),
+                Progress::Filter | Progress::Front => return Err(Error::Waiting),
             };
             count();
             run.poll(1)?;

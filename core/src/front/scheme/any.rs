@@ -1,6 +1,6 @@
 //! The scheme chosen at run time.
 
-use super::{ChanVese, Evolve, Fd, FdCurvature, FdFiltered, Marching, Multiphase, Sl, SlCurvature, Step};
+use super::{ChanVese, Evolve, Fd, FdCurvature, FdFiltered, Marching, Multiphase, Sl, SlCurvature, Step, Still};
 use crate::arithmetic::Arithmetic;
 use crate::config::{Config, Scheme};
 use crate::plane::sweep::Band;
@@ -30,6 +30,8 @@ pub enum AnyScheme<A: Arithmetic> {
     Multiphase(Multiphase<A>),
     /// No steps at all.
     FastMarching(Marching),
+    /// No front at all.
+    Region(Still),
 }
 
 /// The same expression for whichever scheme it is.
@@ -46,6 +48,7 @@ macro_rules! each {
             AnyScheme::ChanVese($scheme) => $expression,
             AnyScheme::Multiphase($scheme) => $expression,
             AnyScheme::FastMarching($scheme) => $expression,
+            AnyScheme::Region($scheme) => $expression,
         }
     };
 }
@@ -57,7 +60,7 @@ impl<A: Arithmetic> Evolve<A> for AnyScheme<A> {
     fn new(config: &Config, unit: f32) -> Result<Self, Scheme> {
         let fine = config.directions == 64;
         match (config.scheme, fine) {
-            (Scheme::Region, _) => Err(config.scheme),
+            (Scheme::Region, _) => <Still as Evolve<A>>::new(config, unit).map(AnyScheme::Region),
             (Scheme::Fd, _) => Fd::new(config, unit).map(AnyScheme::Fd),
             (Scheme::FdCurvature, _) => FdCurvature::new(config, unit).map(AnyScheme::FdCurvature),
             (Scheme::FdFiltered, _) => FdFiltered::new(config, unit).map(AnyScheme::FdFiltered),

@@ -14,6 +14,7 @@ mod multiphase;
 mod preset;
 mod sl;
 mod sl_curvature;
+mod still;
 
 pub use any::AnyScheme;
 pub use chan_vese::ChanVese;
@@ -26,6 +27,7 @@ pub(crate) use preset::Chosen;
 pub use preset::{Fixed, Preset};
 pub use sl::Sl;
 pub use sl_curvature::SlCurvature;
+pub use still::Still;
 
 use crate::arithmetic::vectors::COLUMNS;
 use crate::arithmetic::{Arithmetic, Real};

@@ -107,7 +107,7 @@ impl<L: Level, P: Sample> Extractor<'_, '_, L, P> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{BAD, COUNT, HEIGHT, Left, Room, WIDTH, counts, left, told};
+    use super::super::tests::{BAD, COUNT, HEIGHT, Left, Room, WIDTH, counts, filter, left, told};
     use super::super::{Error, Progress};
     use super::*;
     use crate::arithmetic::Fixed14;
@@ -152,8 +152,10 @@ mod tests {
             }
             match run.poll(rows).expect("a sky with noise") {
                 Progress::Done(found) => return room.left(told(found), found.regions, pattern as usize),
-                _ => bytes = Some(saved(&mut run)),
+                Progress::Filter => filter(config, &mut run, rows),
+                _ => {}
             }
+            bytes = Some(saved(&mut run));
         }
         unreachable!("a run ends")
     }
@@ -176,6 +178,8 @@ mod tests {
         let (pixels, default) = (pixels(), Config::NOISE_AWARE);
         resumed_runs_are_alike::<f32>(&default, &pixels, Known::default());
         resumed_runs_are_alike::<Fixed14>(&default, &pixels, Known::default());
+        let filtered = Config { filter: crate::config::Filter::Median5, ..default };
+        resumed_runs_are_alike::<f32>(&filtered, &pixels, Known::default());
         let components = Config { separate: Separate::Components, ..default };
         let noise: Vec<f32> = (0..COUNT).map(|at| 1.0 + (at % 7) as f32).collect();
         let known = Known { noise: Some(&noise), relative: true, bad: &BAD, ..Known::default() };

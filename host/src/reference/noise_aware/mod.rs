@@ -4,6 +4,7 @@
 //! same input. It shares no numerical code with `skyfront-core`.
 
 mod centre;
+mod combine;
 mod compete;
 mod facts;
 mod judge;
@@ -18,6 +19,7 @@ mod smooth;
 mod tree;
 
 pub use centre::centre;
+pub use combine::{Combination, combined};
 pub use compete::{compete, connect, straighten};
 pub use facts::Facts;
 pub use judge::{Judge, Slack, nearest};

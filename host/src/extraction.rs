@@ -154,7 +154,11 @@ fn in_room<A: Arithmetic, L: Level>(
         for (y, (labels, pixels)) in (0..).zip(labels.chunks_exact(width).zip(pixels.chunks_exact(width))) {
             for (x, label) in used(labels) {
                 if let Some(source) = (label as usize).checked_sub(first).and_then(|index| sources.get_mut(index)) {
-                    source.add(x as u32, y, pixels[x], extremes.least);
+                    if drive.keep_sums {
+                        source.add(x as u32, y, pixels[x], extremes.least);
+                    } else {
+                        source.extend(x as u32, y);
+                    }
                 }
             }
         }

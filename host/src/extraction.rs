@@ -312,13 +312,32 @@ mod tests {
     use skyfront_core::run::frame::Frame;
     use skyfront_core::simulate::{Kind, Sky as Simulated};
 
-    #[test]
-    fn a_table_that_is_too_small_is_replaced() {
-        const SIDE: usize = 120;
+    const SIDE: usize = 120;
+
+    fn simulated() -> Vec<f32> {
         let (mut sky, mut pixels) = (Simulated::new(Kind::Bright, 7, SIDE, SIDE), vec![0.0; SIDE * SIDE]);
         for (y, row) in pixels.chunks_exact_mut(SIDE).enumerate() {
             let Ok(()) = sky.row(y, row);
         }
+        pixels
+    }
+
+    #[test]
+    fn sources_without_sums_have_their_areas_and_places() {
+        let pixels = simulated();
+        let run = |keep_sums| {
+            let mut drive = Drive { keep_sums, threads: 2, ..Drive::default() };
+            segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut drive).expect("there is a sky").sources
+        };
+        let (with, without) = (run(true), run(false));
+        let seen = |source: &Source| (source.label, source.area, source.x0, source.y0, source.columns, source.rows);
+        assert!(with.len() > 1 && with.iter().map(seen).eq(without.iter().map(seen)));
+        assert!(with.iter().all(|source| source.sum() > 0.0) && without.iter().all(|source| source.sum() == 0.0));
+    }
+
+    #[test]
+    fn a_table_that_is_too_small_is_replaced() {
+        let pixels = simulated();
         let config = &Config::NOISE_AWARE;
         let in_one = in_room::<F32, f32>(config, &pixels, SIDE, &mut Drive::default(), 1).expect("there is a sky");
         assert!(in_one.outcome.unlabelled > 0, "one region is too few");

@@ -161,7 +161,11 @@ fn in_room<A: Arithmetic, L: Level>(
         for (y, (labels, pixels)) in (0..).zip(labels.chunks_exact(width).zip(pixels.chunks_exact(width))) {
             for (x, label) in used(labels) {
                 if let Some(source) = (label as usize).checked_sub(first).and_then(|index| sources.get_mut(index)) {
-                    source.add(x as u32, y, pixels[x], extremes.least);
+                    if drive.keep_sums {
+                        source.add(x as u32, y, pixels[x], extremes.least);
+                    } else {
+                        source.extend(x as u32, y);
+                    }
                 }
             }
         }
@@ -353,6 +357,20 @@ mod tests {
         let [own, other] = [once, by_need].map(|run| run.stages.expect("they were kept"));
         assert!(own.normalised == other.normalised && own.filtered != other.filtered);
         assert!(own.filtered.iter().all(|value| value.is_finite()));
+    }
+
+    #[test]
+    fn sources_without_sums_have_their_areas_and_places() {
+        const SIDE: usize = 120;
+        let pixels = bright(SIDE);
+        let run = |keep_sums| {
+            let mut drive = Drive { keep_sums, threads: 2, ..Drive::default() };
+            segment::<F32, f32>(&Config::NOISE_AWARE, &pixels, SIDE, &mut drive).expect("there is a sky").sources
+        };
+        let (with, without) = (run(true), run(false));
+        let seen = |source: &Source| (source.label, source.area, source.x0, source.y0, source.columns, source.rows);
+        assert!(with.len() > 1 && with.iter().map(seen).eq(without.iter().map(seen)));
+        assert!(with.iter().all(|source| source.sum() > 0.0) && without.iter().all(|source| source.sum() == 0.0));
     }
 
     #[test]

@@ -114,7 +114,7 @@ impl<L: Level> SignalRoom<L> {
             masked: vec![0; mask_words(count)],
             rows: vec![L::BLANK; room_rows(count / columns.max(1), threads) * columns],
             mesh: vec![Sky::UNKNOWN; mesh_cells(width, height, config.sky.cell())],
-            regions: blank_regions(regions),
+            regions: in_some_large_pages(blank_regions(regions), count),
         }
     }
 
@@ -133,12 +133,15 @@ fn zeros<L: Level>(count: usize) -> Vec<L> {
     unsafe { zeros.assume_init() }.into_vec()
 }
 
-/// A list as long as a plane, of which as much is touched as is used: in large pages where a part of one is little beside
-/// that.
+/// A list as long as a plane, of which as much is touched as is used.
 fn list(count: usize) -> Vec<u32> {
+    in_some_large_pages(vec![0; count], count)
+}
+
+/// The same, for memory of which a part is touched: only with so many pixels that a part of a page is little beside it.
+fn in_some_large_pages<T>(list: Vec<T>, pixels: usize) -> Vec<T> {
     const MANY: usize = 1 << 23;
-    let list = vec![0; count];
-    if count < MANY { list } else { in_large_pages(list) }
+    if pixels < MANY { list } else { in_large_pages(list) }
 }
 
 /// A plane that nobody has touched, in large pages where the system has them.

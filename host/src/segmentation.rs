@@ -104,6 +104,9 @@ pub struct Drive<'a> {
     pub slice: usize,
     /// Whether to keep the planes of the steps.
     pub keep_stages: bool,
+    /// Whether the values of each source's pixels are summed up in [`Segmentation::sources`] by a run on
+    /// signal-to-noise; else these have areas and places alone, which is all that the catalogue takes from them.
+    pub keep_sums: bool,
     /// Threads for the evolution.
     pub threads: usize,
     /// Takes the final front, in its unit; without it the front is kept in the result.
@@ -124,6 +127,7 @@ impl Default for Drive<'_> {
             start: None,
             slice: usize::MAX,
             keep_stages: false,
+            keep_sums: true,
             threads: 1,
             take_front: None,
             watch: None,

@@ -104,16 +104,24 @@ impl Source {
         Ok(())
     }
 
-    /// Takes in a pixel; pixels come in raster order.
-    pub fn add(&mut self, x: u32, y: u32, pixel: f32, floor: f32) {
+    /// Takes in the place of a pixel and nothing of its value; pixels come in raster order.
+    #[inline]
+    pub fn extend(&mut self, x: u32, y: u32) {
         if self.area == 0 {
             (self.x0, self.y0) = (x, y);
             (self.columns, self.rows) = ((x, x), (y, y));
-            (self.peak, self.peak_at) = (pixel, (x, y));
         }
         self.area = self.area.saturating_add(1);
         self.columns = (self.columns.0.min(x), self.columns.1.max(x));
         self.rows.1 = y;
+    }
+
+    /// Takes in a pixel; pixels come in raster order.
+    pub fn add(&mut self, x: u32, y: u32, pixel: f32, floor: f32) {
+        if self.area == 0 {
+            (self.peak, self.peak_at) = (pixel, (x, y));
+        }
+        self.extend(x, y);
         if pixel > self.peak {
             (self.peak, self.peak_at) = (pixel, (x, y));
         }

@@ -4,6 +4,7 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::field::{Field, offset};
+use crate::plane::grid::Grid;
 use crate::plane::rows::used_in;
 use crate::plane::walk::Walk;
 use crate::sources::tree::{Noise, Region};
@@ -42,9 +43,9 @@ pub(crate) fn centre_on_light<L: Level>(
         }
     })?;
     let half = L::Weight::of(0.5);
-    each_pixel((walk, crew), labels, regions, |region, at| {
+    each_pixel((walk, crew), (field.grid, labels), regions, |region, at, place| {
         if field.at(at) > field.at(region.peak as usize).scaled(half) {
-            add(field, region, at);
+            add(field, region, at, place);
         }
     })?;
     walk.pass(regions.len(), 8, |part| {
@@ -68,20 +69,23 @@ fn some_of<L: Level>(regions: &mut [Region<L>], part: Range<usize>) -> &mut [Reg
     regions.get_mut(part).unwrap_or(&mut [])
 }
 
-/// Takes every pixel of a region to it, in the order of the frame; each hand has a group of regions, and looks at all
-/// labels.
+/// Takes every pixel of a region to it, by index and by column and row, in the order of the frame; each hand has a group
+/// of regions, and looks at all labels.
 pub(crate) fn each_pixel<L: Level>(
     (walk, crew): (&mut Walk, &impl Crew),
-    labels: &[u32],
+    (grid, labels): (Grid, &[u32]),
     regions: &mut [Region<L>],
-    take: impl Fn(&mut Region<L>, usize) + Sync,
+    take: impl Fn(&mut Region<L>, usize, (usize, usize)) + Sync,
 ) -> Option<()> {
-    let size = regions.len().div_ceil(crew.hands().max(1)).max(1);
+    let (size, width) = (regions.len().div_ceil(crew.hands().max(1)).max(1), grid.width.get());
     walk.pass(labels.len(), 1, |part| {
         crew.each((1..).step_by(size).zip(regions.chunks_mut(size)), |(first, regions): (usize, _)| {
-            for (at, label) in used_in(labels, part.clone()) {
-                if let Some(region) = regions.get_mut((label as usize).wrapping_sub(first)) {
-                    take(region, at);
+            for y in part.start / grid.width..part.end.div_ceil(width) {
+                let left = y * width;
+                for (at, label) in used_in(labels, part.start.max(left)..part.end.min(left + width)) {
+                    if let Some(region) = regions.get_mut((label as usize).wrapping_sub(first)) {
+                        take(region, at, (at - left, y));
+                    }
                 }
             }
         });
@@ -89,9 +93,9 @@ pub(crate) fn each_pixel<L: Level>(
 }
 
 /// Adds a pixel to those above half the peak.
-fn add<L: Level>(field: Field<'_, L>, region: &mut Region<L>, at: usize) {
+fn add<L: Level>(field: Field<'_, L>, region: &mut Region<L>, at: usize, (x, y): (usize, usize)) {
     let distance = |place: usize, peak: usize| place as f32 - peak as f32;
-    let ((x, y), (peak_x, peak_y)) = (field.grid.place(at), field.grid.place(region.peak as usize));
+    let (peak_x, peak_y) = field.grid.place(region.peak as usize);
     let value = field.at(at).to_f32();
     region.area += 1;
     region.plateau += value;
@@ -112,8 +116,8 @@ pub(crate) fn shape<L: Level>(
             (region.area, region.plateau, region.offsets) = (region.plateau as u32, 0.0, (0.0, 0.0));
         }
     })?;
-    each_pixel((walk, crew), labels, regions, |region, at| {
-        let (place, centre) = (field.place(at), region.centre);
+    each_pixel((walk, crew), (field.grid, labels), regions, |region, at, (column, row)| {
+        let (place, centre) = ((L::whole(column), L::whole(row)), region.centre);
         let (x, y) = ((place.0 - centre.0).to_f32(), (place.1 - centre.1).to_f32());
         // As a part of the peak's: however bright, the sums stay finite.
         let light = field.at(at).positive().to_f32().ratio(field.at(region.peak as usize).to_f32());
@@ -139,7 +143,7 @@ fn find_plateaus<L: Level>(
     noise: Noise<L>,
 ) -> Option<()> {
     let level = L::Weight::of(LEVEL);
-    each_pixel((walk, crew), labels, regions, |region, at| {
+    each_pixel((walk, crew), (light.grid, labels), regions, |region, at, _| {
         if light.at(at) > light.at(region.peak as usize).scaled(level) {
             region.plateau += 1.0;
         }
@@ -176,7 +180,6 @@ mod tests {
     use crate::arithmetic::Fixed14;
     use crate::plane::crew::Alone;
     use crate::plane::field::Ellipse;
-    use crate::plane::grid::Grid;
 
     extern crate std;
 

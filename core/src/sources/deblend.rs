@@ -432,7 +432,7 @@ fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[R
     if own == 0 || is_alone(labels, field.grid, at) {
         return false;
     }
-    let (mut best, mut compared) = (own, (0, 0));
+    let (mut best, mut asked, mut is_other) = (own, 0, None);
     for near in field.grid.touching(at, 4) {
         let other = label_at(labels, near);
         if other == 0 || other == best || near.abs_diff(at) > field.grid.width.get() {
@@ -440,13 +440,12 @@ fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[R
         }
         let brighter = light_of(regions, best) >= light_of(regions, other);
         let (bright, faint) = if brighter { (best, other) } else { (other, best) };
-        // Most pixels at a border touch the other source twice.
-        if (bright, faint) == compared {
-            continue;
+        // Most pixels at a border touch the other source twice, or the brightest of three beside both others.
+        if bright != asked {
+            (asked, is_other) = (bright, is_beyond(field, labels, regions, bright, at));
         }
-        compared = (bright, faint);
-        if let Some(is_beyond) = is_beyond(field, labels, regions, bright, at) {
-            best = if is_beyond { faint } else { bright };
+        if let Some(is_other) = is_other {
+            best = if is_other { faint } else { bright };
         }
     }
     match labels.get_mut(at).filter(|_| best != own) {

@@ -279,14 +279,14 @@ pub(crate) fn measure<L: Level, P: Sample>(
     let ((columns, rows), (left, bottom)) = (view.image(), view.origin());
     let weight = |at: usize, length: usize| AT_BORDER.get(at.min(length.saturating_sub(at + 1))).unwrap_or(&1.0);
     let (narrow, matched, signal) = (&*work.narrow, &*work.matched, work.signal);
-    each_pixel((walk, crew), work.labels, work.regions, |region, at| {
+    each_pixel((walk, crew), (view.grid, work.labels), work.regions, |region, at, (x, y)| {
         if let (Some(narrow), Some(&matched), Some(&signal)) = (narrow.get(at), matched.get(at), signal.get(at)) {
             region.area += 1;
             region.sum = region.sum + signal.times(1);
             if matched > region.value {
                 region.value = matched;
             }
-            let ((x, y), peaks) = (view.grid.place(at), region.offsets);
+            let peaks = region.offsets;
             let weight = weight(left + x, columns) * weight(bottom + y, rows);
             let (narrow, matched) = (narrow.to_f32() * weight, matched.to_f32() * weight);
             region.offsets = (peaks.0.greatest(narrow), peaks.1.greatest(matched));

@@ -200,9 +200,10 @@ pub(crate) fn grow<L: Level>(
     for (rank, &pixel) in (0..).zip(*order).take(part.end).skip(part.start) {
         let at = pixel as usize;
         let value = field.at(at);
-        let (mut roots, mut found, mut nearest, mut root) = ([NONE; 8], 0, None::<(L, u32)>, NONE);
+        let (mut roots, mut found, mut root) = ([NONE; 8], 0, NONE);
+        let known = |parents: &[u32], near: usize| rank_of(near).filter(|&near| near < rank && !is_out(parents, near));
         for near in field.grid.touching(at, config.connectivity.neighbours()) {
-            let Some(known) = rank_of(near).filter(|&near| near < rank && !is_out(parents, near)) else { continue };
+            let Some(known) = known(parents, near) else { continue };
             // Most neighbours are of one region, and some know its root.
             if known != root && parents.get(known as usize) != Some(&root) {
                 root = root_of(parents, known);
@@ -213,12 +214,21 @@ pub(crate) fn grow<L: Level>(
                     found += 1;
                 }
             }
-            if nearest.is_none_or(|(value, _)| field.at(near) > value) {
-                nearest = Some((field.at(near), root));
-            }
         }
+        // Of several the one whose pixel is the brightest of the neighbours.
+        let nearest = match found {
+            0 => None,
+            1 => Some(root),
+            _ => {
+                let near = field.grid.touching(at, config.connectivity.neighbours());
+                let known = near.filter_map(|near| Some((field.at(near), known(parents, near)?)));
+                let brighter =
+                    |(bright, of), (value, known)| if value > bright { (value, known) } else { (bright, of) };
+                known.reduce(brighter).map(|(_, known)| root_of(parents, known))
+            }
+        };
         let Some(own) = parents.get_mut(rank as usize) else { break };
-        let Some((_, mut nearest)) = nearest else {
+        let Some(mut nearest) = nearest else {
             let Some(region) = regions.get_mut(count) else {
                 *own = NONE;
                 left_out += 1;

@@ -85,6 +85,8 @@ pub fn process(
         relative: input.detected.relative,
         start: input.start.as_ref(),
         keep_stages: manner.pictures,
+        // Pictures and the map of means show them.
+        keep_sums: manner.pictures || !manner.request.map_only,
         threads: manner.threads,
         watch: Some(watch),
         ..Drive::default()

@@ -1,5 +1,6 @@
 //! The command line as a user meets it: results, messages, exit codes, and nothing half-written.
 
+use skyfront::read::image;
 use skyfront_core::packet::{Cursor, stars};
 use skyfront_core::track::Star;
 use skyfront_tests::command::{Folder, messages, program, skyfront};
@@ -124,17 +125,44 @@ fn a_segmented_file_gives_the_same_bytes_as_the_demo_and_as_itself() {
 fn the_map_alone_is_the_map_of_a_full_run() {
     let (folder, sky) = with_sky("map-only");
     let marched = ["--preset", "paper-f160", "--scheme", "fast-marching", "--arrival", "--no-pictures", "--quiet"];
-    for (run, more) in [("full", None), ("map", Some("--map-only"))] {
-        let out = folder.file(run);
-        let line = ["segment", &sky, "--out", &out].into_iter().chain(marched).chain(more);
-        assert!(skyfront(line).status.success());
-    }
+    let runs = |[full, map]: [&str; 2], options: &[&str]| {
+        for (run, more) in [(full, None), (map, Some("--map-only"))] {
+            let out = folder.file(run);
+            let line = ["segment", &sky, "--out", &out].into_iter().chain(options.iter().copied()).chain(more);
+            assert!(skyfront(line).status.success());
+        }
+    };
+    let read = |run: &str, product: &str| fs::read(folder.path().join(run).join(product)).expect("it was written");
+    runs(["full", "map"], &marched);
     let expected = ["arrival.fits", "catalog.csv", "catalog.fits", "segmentation.fits", "summary.json"];
     assert_eq!(folder.names("map"), expected);
     assert_eq!(folder.names("full").len(), expected.len() + 2);
     for product in &expected[..4] {
-        let read = |run: &str| fs::read(folder.path().join(run).join(product)).expect("the product was written");
-        assert_eq!(read("full"), read("map"), "{product} depends on what else is written");
+        assert_eq!(read("full", product), read("map", product), "{product} depends on what else is written");
+    }
+    runs(["default", "default-map"], &["--no-pictures", "--quiet"]);
+    for product in ["catalog.csv", "segmentation.fits"] {
+        assert_eq!(read("default", product), read("default-map", product), "{product} of the default");
+    }
+}
+
+#[test]
+fn the_map_of_means_has_the_mean_of_each_source() {
+    let (folder, sky) = with_sky("means");
+    let out = folder.file("out");
+    assert!(skyfront(["segment", &sky, "--out", &out, "--no-pictures", "--quiet"]).status.success());
+    let product = |name: &str| folder.file(&format!("out/{name}.fits"));
+    let [pixels, labels, means] = [sky.clone(), product("segmentation"), product("segmented")]
+        .map(|path| image(path.as_ref(), None).expect("it can be read").pixels);
+    let mut sums = std::collections::BTreeMap::<u32, (f64, f64)>::new();
+    for (label, pixel) in labels.iter().map(|&label| label as u32).zip(&pixels).filter(|(label, _)| *label > 0) {
+        let (sum, count) = sums.entry(label).or_default();
+        (*sum, *count) = (*sum + f64::from(*pixel), *count + 1.0);
+    }
+    assert!(sums.len() > 5, "{} sources", sums.len());
+    for (label, &mean) in labels.iter().zip(&means) {
+        let expected = sums.get(&(*label as u32)).map_or(0.0, |(sum, count)| sum / count);
+        assert!((f64::from(mean) - expected).abs() <= 1e-5 * expected.abs(), "source {label}: {mean}, not {expected}");
     }
 }
 

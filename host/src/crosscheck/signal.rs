@@ -184,12 +184,17 @@ impl Left {
     }
 }
 
+/// Whether each of so many regions has pixels.
+fn has_pixels(labels: &[u32], regions: usize) -> Vec<bool> {
+    let mut found = vec![false; regions];
+    labels.iter().filter(|&&label| label > 0).for_each(|&label| found[label as usize - 1] = true);
+    found
+}
+
 /// Pixels with another label, and of the regions with pixels the coordinates of centres, the parts that were divided
 /// from them and the plateaus that are others: each may hang on a decision of its own.
 fn apart((labels, regions): (&[u32], &[Seen]), exact: &Regions) -> usize {
-    let mut has_pixels = vec![false; regions.len() + 1];
-    labels.iter().for_each(|&label| has_pixels[label as usize] = true);
-    let differing_of = |((exact, core), _): ((&Region, &Seen), &bool)| {
+    let differing_of = |((exact, core), _): ((&Region, &Seen), bool)| {
         let differ = [
             core.centre.0 != exact.centre.0,
             core.centre.1 != exact.centre.1,
@@ -198,7 +203,8 @@ fn apart((labels, regions): (&[u32], &[Seen]), exact: &Regions) -> usize {
         ];
         differ.into_iter().filter(|&differs| differs).count()
     };
-    let pairs = exact.table.iter().zip(regions).zip(&has_pixels[1..]).filter(|(_, has_pixels)| **has_pixels);
+    let has_pixels = has_pixels(labels, regions.len());
+    let pairs = exact.table.iter().zip(regions).zip(has_pixels).filter(|(_, has_pixels)| *has_pixels);
     pairs.map(differing_of).sum::<usize>() + differing(&exact.labels, labels)
 }
 
@@ -504,7 +510,9 @@ impl Walk {
         self.notes.count("opened", distance(&self.regions));
         let roundings = Roundings { grain: self.grain, unit: bit(24) };
         let most = image.values().iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-        for (core, exact) in opened.regions.iter().zip(&self.regions.table) {
+        let has_pixels = has_pixels(&opened.labels, opened.regions.len());
+        let pairs = opened.regions.iter().zip(&self.regions.table).zip(has_pixels);
+        for ((core, exact), _) in pairs.filter(|(_, has_pixels)| *has_pixels) {
             // Of every pixel of a group the mirrored light is taken away.
             let off = exact.area as f64 * (3.0 * self.grain + bit(21) * most) + bit(40) * exact.sum.abs();
             self.notes.number("opened", core.sum, exact.sum - off, exact.sum + off);
@@ -517,9 +525,16 @@ impl Walk {
         }
         let [.., last] = competitions[1] else { return self.notes.missing("deblended") };
         self.regions.labels.clone_from(&last.labels);
+        self.make_room(last.regions.len());
         reference::settle(&mut self.regions, self.width);
         reference::drop_undefined(&mut self.regions.labels, &self.defined);
         self.notes.count("deblended", apart(after.has(), &self.regions));
+    }
+
+    /// Where the two differ already, the core may have more regions.
+    fn make_room(&mut self, regions: usize) {
+        let table = &mut self.regions.table;
+        table.resize(table.len().max(regions), Region::BLANK);
     }
 
     fn select(&mut self, before: &Left, after: &Left) {
@@ -530,9 +545,8 @@ impl Walk {
             let off = added(&second, &first, 3.0);
             self.plane("matched", core, &matched, &off);
         }
-        let mut regions = Regions { labels: before.labels.clone(), table: std::mem::take(&mut self.regions.table) };
-        // Where the two differ already, the core may have more.
-        regions.table.resize(regions.table.len().max(before.regions.len()), Region::BLANK);
+        self.make_room(before.regions.len());
+        let regions = Regions { labels: before.labels.clone(), table: std::mem::take(&mut self.regions.table) };
         let (signal, masked) = (&before.signal, &before.masked);
         let run = |judge: &Judge| {
             let cut = reference::cut(signal, core, masked, &self.facts, &regions, &settings, judge);

@@ -3,7 +3,8 @@
 //! What a number may differ by follows from its own step: a share of the numbers it is made of, in single precision
 //! everywhere before signal-to-noise, and in fixed point a grain for every rounding after that. Where a number decides,
 //! what lies within that of the border may go either way; of decisions that depend on one another
-//! ([`reference::nearest`]) each may, as long as all that follows is the reference's.
+//! ([`reference::nearest`]) each may, as long as all that follows is the reference's. Where too many do, between
+//! sources that compete for pixels, each is judged from the core's own labels before it ([`wrong_owners`]).
 
 use super::CheckError;
 use super::borders::{Passes, Seen, wrong_owners};

@@ -39,6 +39,8 @@ pub(crate) struct Walk {
     next: usize,
     /// Cells that may still be worked on.
     left: usize,
+    /// Whether the part ends with the pass under way.
+    is_single: bool,
     /// Cells that have been worked on since the first step.
     spent: u64,
     pub tally: Tally,
@@ -48,7 +50,7 @@ impl Walk {
     /// A step that may be done as a whole.
     pub const fn whole() -> Walk {
         let tally = Tally { count: 0, keys: (0, 0), places: [0; BYTES], sums: [0.0; 4] };
-        Walk { at: 0, done: 0, next: 0, left: usize::MAX, spent: 0, tally }
+        Walk { at: 0, done: 0, next: 0, left: usize::MAX, is_single: false, spent: 0, tally }
     }
 
     /// The list of fields, out or in.
@@ -66,7 +68,17 @@ impl Walk {
 
     /// The next part of the step, of so many cells.
     pub fn resume(&mut self, cells: usize) {
-        (self.at, self.left) = (0, cells.max(1));
+        (self.at, self.left, self.is_single) = (0, cells.max(1), false);
+    }
+
+    /// The next part of the step, of what is left of one pass.
+    pub fn resume_pass(&mut self) {
+        (self.at, self.left, self.is_single) = (0, usize::MAX / 2, true);
+    }
+
+    /// How many passes of the step are done; in a loop those before it, and those of its round.
+    pub fn done(&self) -> u32 {
+        self.done
     }
 
     /// Whether all that is left of the step may be done now, and nothing of the next pass is done.
@@ -195,6 +207,9 @@ impl Walk {
 
     fn end_pass(&mut self) -> Option<()> {
         (self.done, self.next) = (self.at, 0);
+        if self.is_single {
+            self.left = 0;
+        }
         Some(())
     }
 
@@ -243,6 +258,27 @@ mod tests {
             walk.again(mark);
         }
         Some(())
+    }
+
+    #[test]
+    fn a_pass_is_a_part() {
+        let plane = [0, 0, 1, 0, 1, 1, 0];
+        let (mut walk, mut left, mut done) = (Walk::whole(), Left::default(), Vec::new());
+        let mut whole = Left::default();
+        step(&mut Walk::whole(), &plane, &mut whole).expect("the whole step");
+        for expected in [5, 6, 6, 6] {
+            walk.resume_pass();
+            assert_eq!(step(&mut walk, &plane, &mut left), None);
+            done.push(walk.done());
+            assert_eq!(left.items.len(), expected);
+        }
+        while step(&mut walk, &plane, &mut left).is_none() {
+            done.push(walk.done());
+            walk.resume_pass();
+        }
+        assert_eq!(left, whole);
+        // Before the pass that ends the step: two, and twice what sets a loop up and the loop.
+        assert_eq!((&done[..4], done.last()), (&[1, 2, 3, 4][..], Some(&(2 + 2 * (1 + LOOP)))));
     }
 
     #[test]

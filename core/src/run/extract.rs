@@ -189,7 +189,27 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     /// of its sky or of its noise; [`Error::FrameChanged`] where others have written to it; [`Error::Waiting`] where
     /// other parts of an image have yet to answer.
     pub fn poll(&mut self, rows: usize) -> Result<Progress, Error> {
-        self.go_on(rows.saturating_mul(self.grid.width.get()), &Alone)
+        self.resume(rows.saturating_mul(self.grid.width.get()));
+        self.go_on(&Alone)
+    }
+
+    /// Does what is left of one pass of the step under way, for a look at what it leaves ([`Extractor::work`]) beside
+    /// what it found. Of a frame that is a part of an image, the step.
+    ///
+    /// # Errors
+    /// As [`Extractor::poll`].
+    pub fn poll_pass(&mut self) -> Result<Progress, Error> {
+        match self.view.known.whole {
+            Some(_) => self.state.walk.resume(usize::MAX),
+            None => self.state.walk.resume_pass(),
+        }
+        self.go_on(&Alone)
+    }
+
+    /// How many passes of the step under way are done. In a step with a loop the numbers of its passes come again in
+    /// every round, and those behind it follow on them by a fixed distance.
+    pub fn passes(&self) -> u32 {
+        self.state.walk.done()
     }
 
     /// Does all that is left of the step under way by a crew, which has no part in the result.
@@ -199,16 +219,21 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     // Its instructions are counted by its name.
     #[inline(never)]
     pub fn poll_by(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
-        self.go_on(usize::MAX, crew)
+        self.resume(usize::MAX);
+        self.go_on(crew)
     }
 
-    fn go_on(&mut self, cells: usize, crew: &impl Crew) -> Result<Progress, Error> {
+    /// Lets so many cells be worked on; a part of an image goes in whole steps.
+    fn resume(&mut self, cells: usize) {
+        self.state.walk.resume(if self.view.known.whole.is_some() { usize::MAX } else { cells });
+    }
+
+    fn go_on(&mut self, crew: &impl Crew) -> Result<Progress, Error> {
         if let Some(ended) = self.ended {
             return Err(ended);
         }
         if let Some(stage) = self.next().filter(|stage| !stage.is_of_front()) {
             let whole = self.view.known.whole;
-            self.state.walk.resume(if whole.is_some() { usize::MAX } else { cells });
             let is_done = match self.step(stage, crew) {
                 Ok(_) if whole.is_some_and(Whole::is_waiting) => Err(Error::Waiting),
                 // A run that was left alone ends within its bound.

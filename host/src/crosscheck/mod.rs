@@ -4,6 +4,7 @@
 //! what a step may differ by follows from its own arithmetic, whatever came before and however often a front steps.
 //! The whole runs are compared beside that: there a pixel near u = 0 goes where roundings lead it.
 
+mod borders;
 mod combine;
 mod compare;
 mod notes;

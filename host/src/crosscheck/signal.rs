@@ -3,9 +3,11 @@
 //! What a number may differ by follows from its own step: a share of the numbers it is made of, in single precision
 //! everywhere before signal-to-noise, and in fixed point a grain for every rounding after that. Where a number decides,
 //! what lies within that of the border may go either way; of decisions that depend on one another
-//! ([`reference::nearest`]) each may, as long as all that follows is the reference's.
+//! ([`reference::nearest`]) each may, as long as all that follows is the reference's. Where too many do, between
+//! sources that compete for pixels, each is judged from the core's own labels before it ([`wrong_owners`]).
 
 use super::CheckError;
+use super::borders::{Passes, Seen, wrong_owners};
 use super::notes::{Difference, Notes};
 use super::rounding::bit;
 use super::settings::{parameters, settings};
@@ -14,7 +16,7 @@ use crate::evolution::filter_in;
 use crate::pipeline::{Drive, Segmentation, segment_in};
 use crate::planes::SignalRoom;
 use crate::reference::noise_aware::{
-    self as reference, Facts, Judge, Mesh, Region, Regions, Settings, Sky, Slack, Tail,
+    self as reference, Facts, Judge, Mesh, Region, Regions, Roundings, Settings, Sky, Slack, Tail,
 };
 use crate::reference::{Parameters, Plane, ReferenceError, is_beyond_reach};
 use skyfront_core::arithmetic::{Arithmetic, Level, Real};
@@ -49,6 +51,16 @@ pub fn walk_signal<A: Arithmetic, L: Level>(
             Progress::Done(found) => {
                 walk.found(&found);
                 return Ok(walk.notes.found);
+            }
+            Progress::Next(Stage::Deblend) => {
+                let mut passes = Passes::default();
+                while run.progress() == Progress::Next(Stage::Deblend) {
+                    run.poll_pass()?;
+                    passes.note(&run);
+                }
+                let after = Left::of(&run, asked.cell, width);
+                walk.deblend(&before, &passes, &after);
+                before = after;
             }
             Progress::Next(stage) => {
                 run.poll(usize::MAX)?;
@@ -135,14 +147,6 @@ struct Left {
     regions: Vec<Seen>,
 }
 
-/// A region as the core has it.
-struct Seen {
-    peak: usize,
-    centre: (f64, f64),
-    plateau: bool,
-    divided: Option<usize>,
-}
-
 impl Left {
     fn of<L: Level>(run: &Extractor<'_, '_, L>, cell: usize, width: usize) -> Left {
         let work = run.work();
@@ -157,12 +161,6 @@ impl Left {
             *cell = known.then_some(Sky { level: sky.level.into(), noise: sky.noise.into() });
         }
         let most = work.labels.iter().max().map_or(0, |&label| label as usize);
-        let seen = |region: &skyfront_core::sources::tree::Region<L>| Seen {
-            peak: region.peak as usize,
-            centre: (region.centre.0.to_f32().into(), region.centre.1.to_f32().into()),
-            plateau: region.plateau > 0.0,
-            divided: (region.divided as usize).checked_sub(1),
-        };
         Left {
             signal: plane(work.signal),
             fine: plane(work.fine),
@@ -173,8 +171,12 @@ impl Left {
             masked: (0..work.labels.len()).map(|at| Mask(work.masked).has(at)).collect(),
             mesh,
             labels: work.labels.to_vec(),
-            regions: work.regions.iter().take(most.min(work.regions.len())).map(seen).collect(),
+            regions: Seen::table(work.regions.get(..most).unwrap_or(&[])),
         }
+    }
+
+    fn has(&self) -> (&[u32], &[Seen]) {
+        (&self.labels, &self.regions)
     }
 
     /// The same regions in the core's order, each where the core's has its peak: in which order the components of the
@@ -196,24 +198,30 @@ impl Left {
         let named = |&label: &u32| if label == 0 { 0 } else { place[label as usize - 1] as u32 + 1 };
         Regions { labels: exact.labels.iter().map(named).collect(), table }
     }
+}
 
-    /// Pixels with another label, and of the regions with pixels the coordinates of centres, the parts that were divided
-    /// from them and the plateaus that are others: each may hang on a decision of its own.
-    fn apart(&self, exact: &Regions) -> usize {
-        let mut has_pixels = vec![false; self.regions.len() + 1];
-        self.labels.iter().for_each(|&label| has_pixels[label as usize] = true);
-        let differing_of = |((exact, core), _): ((&Region, &Seen), &bool)| {
-            let differ = [
-                core.centre.0 != exact.centre.0,
-                core.centre.1 != exact.centre.1,
-                exact.plateau != core.plateau,
-                exact.divided != core.divided,
-            ];
-            differ.into_iter().filter(|&differs| differs).count()
-        };
-        let pairs = exact.table.iter().zip(&self.regions).zip(&has_pixels[1..]).filter(|(_, has_pixels)| **has_pixels);
-        pairs.map(differing_of).sum::<usize>() + differing(&exact.labels, &self.labels)
-    }
+/// Whether each of so many regions has pixels.
+fn has_pixels(labels: &[u32], regions: usize) -> Vec<bool> {
+    let mut found = vec![false; regions];
+    labels.iter().filter(|&&label| label > 0).for_each(|&label| found[label as usize - 1] = true);
+    found
+}
+
+/// Pixels with another label, and of the regions with pixels the coordinates of centres, the parts that were divided
+/// from them and the plateaus that are others: each may hang on a decision of its own.
+fn apart((labels, regions): (&[u32], &[Seen]), exact: &Regions) -> usize {
+    let differing_of = |((exact, core), _): ((&Region, &Seen), bool)| {
+        let differ = [
+            core.centre.0 != exact.centre.0,
+            core.centre.1 != exact.centre.1,
+            exact.plateau != core.plateau,
+            exact.divided != core.divided,
+        ];
+        differ.into_iter().filter(|&differs| differs).count()
+    };
+    let has_pixels = has_pixels(labels, regions.len());
+    let pairs = exact.table.iter().zip(regions).zip(has_pixels).filter(|(_, has_pixels)| *has_pixels);
+    pairs.map(differing_of).sum::<usize>() + differing(&exact.labels, labels)
 }
 
 /// What was seen of a run so far.
@@ -282,7 +290,6 @@ impl Walk {
             Stage::Outline => self.front::<L>(before, after),
             Stage::Tree => self.tree(before, after),
             Stage::Components => self.components(before, after),
-            Stage::Deblend => self.deblend(before, after),
             Stage::Select => self.select(before, after),
             _ => {}
         }
@@ -512,8 +519,8 @@ impl Walk {
         let inside = self.inside(before);
         let run =
             |judge: &Judge| after.renumbered(&reference::tree(&after.fine, &inside, self.photon, &self.asked, judge));
-        self.regions = reference::nearest(self.slack(), run, |regions| after.apart(regions));
-        self.notes.count("tree", after.apart(&self.regions));
+        self.regions = reference::nearest(self.slack(), run, |regions| apart(after.has(), regions));
+        self.notes.count("tree", apart(after.has(), &self.regions));
         let pairs = self.regions.table.iter().zip(&after.regions).filter(|(exact, _)| exact.area >= 3);
         self.notes.count("tree", pairs.filter(|(exact, core)| exact.peak != core.peak).count());
     }
@@ -524,16 +531,46 @@ impl Walk {
         self.notes.count("components", differing(&self.regions.labels, &after.labels));
     }
 
-    fn deblend(&mut self, before: &Left, after: &Left) {
+    fn deblend(&mut self, before: &Left, passes: &Passes, after: &Left) {
+        let image = &before.fine;
+        let Some(competitions) = passes.competitions(image) else { return self.notes.missing("shapes") };
+        let opened = &competitions[0][0];
         let run = |judge: &Judge| {
             let mut regions = self.regions.clone();
             let noise = (self.noise, self.photon);
-            reference::deblend(&before.fine, &before.smooth, &mut regions, noise, &self.asked, judge);
-            reference::drop_undefined(&mut regions.labels, &self.defined);
+            reference::opened(image, &before.smooth, &mut regions, noise, &self.asked, judge);
             regions
         };
-        self.regions = reference::nearest(self.slack(), run, |regions| after.apart(regions));
-        self.notes.count("deblended", after.apart(&self.regions));
+        let distance = |regions: &Regions| apart((&opened.labels, &opened.regions), regions);
+        self.regions = reference::nearest(self.slack(), run, distance);
+        self.notes.count("opened", distance(&self.regions));
+        let roundings = Roundings { grain: self.grain, unit: bit(24) };
+        let most = image.values().iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let has_pixels = has_pixels(&opened.labels, opened.regions.len());
+        let pairs = opened.regions.iter().zip(&self.regions.table).zip(has_pixels);
+        for ((core, exact), _) in pairs.filter(|(_, has_pixels)| *has_pixels) {
+            // Of every pixel of a group the mirrored light is taken away.
+            let off = exact.area as f64 * (3.0 * self.grain + bit(21) * most) + bit(40) * exact.sum.abs();
+            self.notes.number("opened", core.sum, exact.sum - off, exact.sum + off);
+        }
+        for passes in competitions {
+            for [core, exact, off] in passes[0].shapes(image) {
+                self.notes.number("shapes", core, exact - off, exact + off);
+            }
+            self.notes.count("borders", wrong_owners(image, roundings, passes));
+        }
+        let [.., last] = competitions[1] else { return self.notes.missing("deblended") };
+        self.regions.labels.clone_from(&last.labels);
+        self.make_room(last.regions.len());
+        reference::settle(&mut self.regions, self.width);
+        reference::drop_undefined(&mut self.regions.labels, &self.defined);
+        self.notes.count("deblended", apart(after.has(), &self.regions));
+    }
+
+    /// Where the two differ already, the core may have more regions.
+    fn make_room(&mut self, regions: usize) {
+        let table = &mut self.regions.table;
+        table.resize(table.len().max(regions), Region::BLANK);
     }
 
     fn select(&mut self, before: &Left, after: &Left) {
@@ -544,9 +581,8 @@ impl Walk {
             let off = added(&second, &first, 3.0);
             self.plane("matched", core, &matched, &off);
         }
-        let mut regions = Regions { labels: before.labels.clone(), table: std::mem::take(&mut self.regions.table) };
-        // Where the two differ already, the core may have more.
-        regions.table.resize(regions.table.len().max(before.regions.len()), Region::BLANK);
+        self.make_room(before.regions.len());
+        let regions = Regions { labels: before.labels.clone(), table: std::mem::take(&mut self.regions.table) };
         let (signal, masked) = (&before.signal, &before.masked);
         let run = |judge: &Judge| {
             let cut = reference::cut(signal, core, masked, &self.facts, &regions, &settings, judge);

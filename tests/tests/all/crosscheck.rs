@@ -103,7 +103,7 @@ const STEPS: [&str; 13] = [
 ];
 
 /// What is compared of the default, and of the paper's front on signal-to-noise.
-const DEFAULT_STEPS: [&str; 16] = [
+const DEFAULT_STEPS: [&str; 19] = [
     "sky",
     "signal",
     "fine",
@@ -113,6 +113,9 @@ const DEFAULT_STEPS: [&str; 16] = [
     "u",
     "sharpened",
     "tree",
+    "opened",
+    "shapes",
+    "borders",
     "deblended",
     "matched",
     "labels",

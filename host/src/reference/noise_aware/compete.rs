@@ -1,56 +1,161 @@
 //! Borders between sources, and sources in one piece (`default.md`, 6).
 
-use super::light::{ROUND, Shape, light, nearest, on_ellipse, opposite, place, shape};
-use super::reopen::alone;
-use super::{Judge, Plane, Region, Regions, neighbours};
+use super::light::{Place, ROUND, Shape, opposite, place};
+use super::seen::{Between, Roundings, Seeing};
+use super::{Plane, Region, Regions, neighbours};
 
 /// Measures the shapes of sources and lets neighbours compete for pixels, forwards and once backwards.
-pub fn compete(image: &Plane, regions: &mut Regions, judge: &Judge) {
-    let (width, height) = (image.width(), image.height());
+pub fn compete(image: &Plane, regions: &mut Regions) {
     let shapes = shapes(image, regions);
-    for at in (0..width * height).chain((0..width * height).rev()) {
-        let mut owner = regions.labels[at];
-        for near in neighbours(at, width, height, 4) {
-            let other = regions.labels[near];
-            if owner == 0 || other == 0 || other == owner {
-                continue;
-            }
-            let owner_is_brighter = regions.sum(owner) >= regions.sum(other);
-            let (bright, faint) = if owner_is_brighter { (owner, other) } else { (other, owner) };
-            if let Some(host) = own_light(image, regions, (bright, shapes[bright as usize - 1]), at, judge) {
-                owner = if judge.exceeds(image.values()[at], 2.0 * host) { faint } else { bright };
+    let centres: Vec<Place> = regions.table.iter().map(|region| region.centre).collect();
+    let sums: Vec<f64> = regions.table.iter().map(|region| region.sum).collect();
+    let contest = Contest { image, centres: &centres, lights: &sums, shapes: &shapes, roundings: Roundings::NONE };
+    let pixels = regions.labels.len();
+    for at in (0..pixels).chain((0..pixels).rev()) {
+        // Without roundings there is one.
+        if let [owner] = contest.owners(&regions.labels, at)[..] {
+            regions.labels[at] = owner;
+        }
+    }
+}
+
+/// The shapes of sources: of plateaus circles.
+fn shapes(image: &Plane, regions: &Regions) -> Vec<Shape> {
+    let centres: Vec<Place> = regions.table.iter().map(|region| region.centre).collect();
+    let of = |(region, moments): (&Region, Moments)| if region.plateau { ROUND } else { moments.shape() };
+    regions.table.iter().zip(moments(image, &regions.labels, &centres)).map(of).collect()
+}
+
+/// The second moments of a source's light around its centre.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Moments {
+    /// Pixels.
+    pub pixels: usize,
+    /// Along x, of x and y, and along y.
+    sums: (f64, f64, f64),
+}
+
+impl Moments {
+    /// The shape of the isophotes; that of a circle without light.
+    pub fn shape(&self) -> Shape {
+        let (xx, xy, yy) = self.sums;
+        if xx + yy > 0.0 { ((xx - yy) / (xx + yy), 2.0 * xy / (xx + yy)) } else { ROUND }
+    }
+}
+
+/// Those of all sources, by their labels less 1.
+pub fn moments(image: &Plane, labels: &[u32], centres: &[Place]) -> Vec<Moments> {
+    let mut found = vec![Moments::default(); centres.len()];
+    for (at, &label) in labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+        let ((x, y), (centre_x, centre_y)) = (place(at, image.width()), centres[label as usize - 1]);
+        let (x, y, light) = (x - centre_x, y - centre_y, image.values()[at].max(0.0));
+        let moments = &mut found[label as usize - 1];
+        let (xx, xy, yy) = moments.sums;
+        moments.sums = (xx + light * x * x, xy + light * x * y, yy + light * y * y);
+        moments.pixels += 1;
+    }
+    found
+}
+
+/// Sources that compete.
+#[derive(Clone, Copy, Debug)]
+pub struct Contest<'a> {
+    /// The image that was divided.
+    pub image: &'a Plane,
+    /// By their labels less 1.
+    pub centres: &'a [Place],
+    /// Their light in all, or numbers that sort as it does.
+    pub lights: &'a [f64],
+    /// The shapes of their isophotes.
+    pub shapes: &'a [Shape],
+    /// What is rounded.
+    pub roundings: Roundings,
+}
+
+/// What may come of the question whether a pixel has more than twice a source's light.
+#[derive(Clone, Copy, Debug, Default)]
+struct Answers {
+    yes: bool,
+    no: bool,
+    unknown: bool,
+}
+
+impl Contest<'_> {
+    /// The sources that may own a pixel, by all that roundings leave open; one without them.
+    pub fn owners(&self, labels: &[u32], at: usize) -> Vec<u32> {
+        let mut owners = vec![labels[at]];
+        for near in neighbours(at, self.image.width(), self.image.height(), 4) {
+            let (before, other) = (owners.clone(), labels[near]);
+            owners.clear();
+            for owner in before.into_iter().flat_map(|owner| self.between(labels, [owner, other], at)) {
+                if !owners.contains(&owner) {
+                    owners.push(owner);
+                }
             }
         }
-        regions.labels[at] = owner;
+        owners
     }
-}
 
-fn shapes(image: &Plane, regions: &Regions) -> Vec<Shape> {
-    let mut pixels: Vec<Vec<usize>> = vec![Vec::new(); regions.table.len()];
-    for (at, &label) in regions.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
-        pixels[label as usize - 1].push(at);
+    /// Which of its owner and another source may have a pixel.
+    fn between(&self, labels: &[u32], [owner, other]: [u32; 2], at: usize) -> Vec<u32> {
+        if owner == 0 || other == 0 || other == owner {
+            return vec![owner];
+        }
+        let light = |label: u32| self.lights[label as usize - 1];
+        let (bright, faint) = if light(owner) >= light(other) { (owner, other) } else { (other, owner) };
+        let Answers { yes, no, unknown } = self.is_beyond(labels, bright, at);
+        [(yes, faint), (no, bright), (unknown, owner)]
+            .into_iter()
+            .filter_map(|(may, label)| may.then_some(label))
+            .collect()
     }
-    let told = |at: usize| (place(at, image.width()), image.values()[at].max(0.0));
-    let of = |(region, pixels): (&Region, &Vec<usize>)| match region.plateau {
-        true => ROUND,
-        false => shape(region.centre, pixels.iter().map(|&at| told(at))),
-    };
-    regions.table.iter().zip(&pixels).map(of).collect()
-}
 
-/// The mirrored light of a source, where it is its own and in the frame; else that on its ellipse.
-fn own_light(image: &Plane, regions: &Regions, (label, shape): (u32, Shape), at: usize, judge: &Judge) -> Option<f64> {
-    let centre = regions.of(label)?.centre;
-    let from = place(at, image.width());
-    let across = opposite(centre, from);
-    let is_own = |seen: f64| {
-        let other = nearest(image, across).map_or(0, |at| regions.labels[at]);
-        let Some(there) = regions.of(other).filter(|_| other != label) else { return true };
-        let foreign = alone(image, [centre, there.centre], across).unwrap_or(0.0);
-        !judge.exceeds(foreign, 0.25 * seen)
-    };
-    let counts = |at: usize| [0, label].contains(&regions.labels[at]);
-    light(image, across).filter(|&seen| is_own(seen)).or_else(|| on_ellipse(image, (centre, shape), from, counts))
+    /// Whether a pixel has more than twice the light that a source has there.
+    fn is_beyond(&self, labels: &[u32], label: u32, at: usize) -> Answers {
+        let (value, mut answers) = (self.image.values()[at], Answers::default());
+        let (mirrored, is_certain) = self.mirrored(labels, label, at);
+        let lights = if is_certain { Vec::new() } else { self.on_ellipse(labels, label, at) };
+        for light in mirrored.map(Some).into_iter().chain(lights) {
+            match light {
+                Some(light) => {
+                    answers.yes |= value > 2.0 * light.low;
+                    answers.no |= value <= 2.0 * light.high;
+                }
+                None => answers.unknown = true,
+            }
+        }
+        answers
+    }
+
+    /// A source's mirrored light, where it may be its own and in the frame, and whether it must be.
+    fn mirrored(&self, labels: &[u32], label: u32, at: usize) -> (Option<Between>, bool) {
+        let (seeing, centre) = (self.seeing(), self.centre(label));
+        let across = opposite(centre, place(at, self.image.width()));
+        let Some(seen) = seeing.look(across, 0.0) else { return (None, false) };
+        let other = seen.pixels.first().map_or(0, |&at| labels[at]);
+        if other == 0 || other == label {
+            return (Some(seen.light), true);
+        }
+        let foreign = seeing.alone([centre, self.centre(other)], across);
+        let most = Between { low: 0.25 * seen.light.low, high: 0.25 * seen.light.high };
+        let most = most.widened(0.5 * self.roundings.grain);
+        (Some(seen.light).filter(|_| foreign.low <= most.high), foreign.high <= most.low)
+    }
+
+    /// The light on a source's ellipse, its own or the sky's.
+    fn on_ellipse(&self, labels: &[u32], label: u32, at: usize) -> Vec<Option<Between>> {
+        let (centre, shape) = (self.centre(label), self.shapes[label as usize - 1]);
+        let counts = |at: usize| [0, label].contains(&labels[at]);
+        self.seeing().on_ellipse((centre, shape), place(at, self.image.width()), counts)
+    }
+
+    fn centre(&self, label: u32) -> Place {
+        self.centres[label as usize - 1]
+    }
+
+    fn seeing(&self) -> Seeing<'_> {
+        Seeing { image: self.image, roundings: self.roundings }
+    }
 }
 
 /// Straightens outlines, once.

@@ -27,14 +27,15 @@ pub fn mirrored(image: &Plane, centre: Place, from: Place) -> Option<f64> {
     light(image, opposite(centre, from))
 }
 
-/// The shape of isophotes: their second moments xx, xy, yy, up to a factor.
-pub type Shape = (f64, f64, f64);
+/// The shape of isophotes: of their second moments `(xx - yy, 2 xy)` as parts of `xx + yy`.
+pub type Shape = (f64, f64);
 
 /// A circle.
-pub const ROUND: Shape = (1.0, 0.0, 1.0);
+pub const ROUND: Shape = (0.0, 0.0);
 
 /// The seven other places on the ellipse through a place, 45 degrees apart in the circle that it is when stretched.
-fn turned(centre: Place, (xx, xy, yy): Shape, from: Place) -> [Place; 7] {
+pub fn turned(centre: Place, (along, across): Shape, from: Place) -> [Place; 7] {
+    let (xx, xy, yy) = (1.0 + along, across, 1.0 - along);
     let root = (xx * yy - xy * xy).sqrt();
     // Half of the ellipse's matrix, as a lower triangle: a circle stretched by it is the ellipse.
     let (a, b, c) = ((xx / root).sqrt(), xy / (xx * root).sqrt(), (root / xx).sqrt());
@@ -52,34 +53,6 @@ pub fn around(image: &Plane, centre: Place, from: Place) -> f64 {
     let mut turned = turned(centre, ROUND, from).map(|place| light(image, place).unwrap_or(0.0));
     turned.sort_by(f64::total_cmp);
     turned[3]
-}
-
-/// The median of the light at the seven other places on an ellipse, of those in the frame whose pixel `counts`.
-pub fn on_ellipse(
-    image: &Plane,
-    (centre, shape): (Place, Shape),
-    from: Place,
-    counts: impl Fn(usize) -> bool,
-) -> Option<f64> {
-    let turned = turned(centre, shape, from).into_iter();
-    let mut lights: Vec<f64> = turned
-        .filter(|&place| nearest(image, place).is_some_and(&counts))
-        .filter_map(|place| light(image, place))
-        .collect();
-    lights.sort_by(f64::total_cmp);
-    lights.get(lights.len() / 2).copied()
-}
-
-/// The second moments of light around a centre, told by pixels and light; those of a circle where one axis is longer
-/// than ten of the other.
-pub fn shape(centre: Place, pixels: impl Iterator<Item = (Place, f64)>) -> Shape {
-    let moments = pixels.map(|(place, light)| {
-        let (x, y) = (place.0 - centre.0, place.1 - centre.1);
-        (light * x * x, light * x * y, light * y * y)
-    });
-    let (xx, xy, yy) = moments.fold((0.0, 0.0, 0.0), |all, one| (all.0 + one.0, all.1 + one.1, all.2 + one.2));
-    let flattening = ((xx - yy).powi(2) + 4.0 * xy * xy) / (xx + yy).powi(2);
-    if 1.0 - flattening > 0.039 { (xx, xy, yy) } else { ROUND }
 }
 
 /// The pixel nearest to a place in the frame.

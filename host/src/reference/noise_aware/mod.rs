@@ -12,6 +12,7 @@ mod light;
 mod outline;
 mod photon;
 mod reopen;
+mod seen;
 mod select;
 mod signal;
 mod sky;
@@ -20,12 +21,13 @@ mod tree;
 
 pub use centre::centre;
 pub use combine::{Combination, combined};
-pub use compete::{compete, connect, straighten};
+pub use compete::{Contest, Moments, compete, connect, moments, straighten};
 pub use facts::Facts;
 pub use judge::{Judge, Slack, nearest};
 pub use outline::{BAND, FLAT, STEP, force, start, steepness, step};
 pub use photon::{grown, photon_noise};
 pub use reopen::{Scene, Typical};
+pub use seen::Roundings;
 pub use select::{Cut, cut, matched, select};
 pub use signal::{has_signal, signal, without_spikes};
 pub use sky::{Mesh, Seen, Sky};
@@ -193,13 +195,30 @@ pub fn deblend(
     settings: &Settings,
     judge: &Judge,
 ) {
+    opened(image, smooth, regions, (noise, photon), settings, judge);
+    (0..2).for_each(|_| compete(image, regions));
+    settle(regions, image.width());
+}
+
+/// What becomes of them before they compete.
+pub fn opened(
+    image: &Plane,
+    smooth: &Plane,
+    regions: &mut Regions,
+    (noise, photon): (f64, f64),
+    settings: &Settings,
+    judge: &Judge,
+) {
     centre(image, smooth, regions, (noise, photon), judge);
     let typical = Typical::of(image, regions, noise);
     let scene = Scene { image, typical: &typical, noise, photon, settings, judge };
     (0..2).for_each(|_| scene.reopen(regions));
-    (0..2).for_each(|_| compete(image, regions, judge));
-    (0..2).for_each(|_| regions.labels = straighten(&regions.labels, image.width()));
-    regions.labels = connect(regions, image.width());
+}
+
+/// What becomes of them once they have competed.
+pub fn settle(regions: &mut Regions, width: usize) {
+    (0..2).for_each(|_| regions.labels = straighten(&regions.labels, width));
+    regions.labels = connect(regions, width);
 }
 
 /// Takes undefined pixels out of sources.

@@ -171,7 +171,7 @@ impl Scene<'_> {
         regions.table.push(Region {
             peak,
             value: excess(peak),
-            area: 0,
+            area: group.len(),
             sum: group.iter().map(|&at| excess(at)).sum(),
             centre: self.place(peak),
             plateau: false,

@@ -197,8 +197,8 @@ mod tests {
         let field = Field { values: &values, grid: Grid::of(values.len(), 49).expect("there are columns") };
         let _ = shape((&mut Walk::whole(), &Alone), field, &labels, &mut regions);
         let [region] = regions;
-        assert_eq!(region.shape(), Ellipse::ROUND, "a saturated star is round");
-        (region, Region { plateau: 0.0, ..region }.shape())
+        assert_eq!(region.shape(), Some(Ellipse::ROUND), "a saturated star is round");
+        (region, Region { plateau: 0.0, ..region }.shape().expect("it is no needle"))
     }
 
     #[test]
@@ -218,7 +218,7 @@ mod tests {
         let field = Field { values: &values, grid: Grid::of(25, 5).expect("there are columns") };
         let mut regions = [Region::<f32>::BLANK];
         let _ = shape((&mut Walk::whole(), &Alone), field, &[1; 25], &mut regions);
-        assert_eq!(regions.map(|region| region.shape()), [Ellipse::ROUND]);
+        assert_eq!(regions.map(|region| region.shape()), [Some(Ellipse::ROUND)]);
     }
 
     const SIDE: usize = 41;

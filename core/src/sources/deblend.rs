@@ -82,7 +82,7 @@ fn is_more_alone<L: Level>(field: Field<'_, L>, [host, other]: [(L, L); 2], plac
 
 /// Whether a pixel has more than [`OTHER`] times the light that a source has there: what lies across its centre or, where
 /// that is beyond the frame or too much of it another's, what is on its ellipse there, of it or of the sky. `None` where
-/// the frame does not show it.
+/// the frame does not show it, or it is a needle.
 fn is_beyond<L: Level>(
     field: Field<'_, L>,
     labels: &[u32],
@@ -103,7 +103,7 @@ fn is_beyond<L: Level>(
         return Some(is_low(light));
     }
     let counts = |at: usize| [0, label].contains(&label_at(labels, at));
-    field.is_low_on_ellipse((region.centre, region.shape()), field.place(at), counts, is_low)
+    field.is_low_on_ellipse((region.centre, region.shape()?), field.place(at), counts, is_low)
 }
 
 /// The most light that a host may have at a pixel: what is mirrored at its centre, as well as that is known, or what the

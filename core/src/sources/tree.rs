@@ -54,9 +54,10 @@ impl<L: Level> Region<L> {
         label: 0,
     };
 
-    /// The shape of its isophotes; round for a plateau, of whose light a bleed trail would make an ellipse.
-    pub fn shape(&self) -> Ellipse<L> {
-        if self.plateau > 0.0 { Ellipse::ROUND } else { Ellipse::of(self.offsets) }
+    /// The shape of its isophotes; round for a plateau, of whose light a bleed trail would make an ellipse. None for a
+    /// needle: what lies around it tells nothing of it.
+    pub fn shape(&self) -> Option<Ellipse<L>> {
+        if self.plateau > 0.0 { Some(Ellipse::ROUND) } else { Ellipse::of(self.offsets) }
     }
 
     /// Remembers the part that has a pixel, where no brighter one is known.

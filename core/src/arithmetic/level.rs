@@ -5,6 +5,18 @@ use core::fmt::Debug;
 use core::ops::{Add, Sub};
 
 /// A signal-to-noise, or a place in pixels; 32 bits.
+///
+/// ```
+/// use skyfront_core::arithmetic::{Fixed14, Level, Real};
+///
+/// fn mean_of_positive<L: Level>(light: &[f32]) -> f32 {
+///     let positive = light.iter().map(|&value| L::signal(value)).filter(|&value| value > L::ZERO);
+///     positive.fold(L::ZERO, |sum, value| sum + value).to_f32() / light.len() as f32
+/// }
+/// let light = [1.5, -2.0, 0.25, 4.25];
+/// assert_eq!([mean_of_positive::<f32>(&light), mean_of_positive::<Fixed14>(&light)], [1.5; 2]);
+/// assert_eq!(Fixed14::signal(1e9).to_f32(), 32768.0, "no more fits beside its neighbours");
+/// ```
 pub trait Level: Real + Cell + Sealed {
     /// The name of the arithmetic on the command line.
     const NAME: &'static str;

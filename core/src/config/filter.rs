@@ -6,6 +6,16 @@ use super::parameter::{Numbers, Range, Value, Word, word};
 use core::f32::consts::FRAC_1_SQRT_2;
 
 /// Step 3: the filter.
+///
+/// ```
+/// use skyfront_core::config::{Config, Filter};
+///
+/// let config = Config { filter: Filter::Bilateral { contrast: 0.1 }, filter_steps: 2, ..Config::NOISE_AWARE };
+/// assert_eq!(config.filter.name(), "bilateral");
+/// assert!(config.validate_values().is_ok() && config.needs_segmenter());
+/// let blurred = Config { filter: Filter::Bilateral { contrast: 100.0 }, ..config };
+/// assert!(blurred.validate_values().is_err(), "a contrast is 10 at most");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// None.

@@ -4,6 +4,15 @@
 use super::parameter::{Word, word};
 
 /// Step 5: the scheme that moves the front.
+///
+/// ```
+/// use skyfront_core::config::{Config, Scheme};
+///
+/// let names: Vec<&str> = Scheme::ALL.iter().map(|scheme| scheme.name()).collect();
+/// assert!(names.contains(&"fd") && names.contains(&"chan-vese"));
+/// let config = Config { scheme: Scheme::Sl, ..Config::PAPER_F160 };
+/// assert!(config.validate_values().is_ok());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// A front that starts where signal-to-noise crosses a threshold, with that as its force

@@ -9,6 +9,41 @@ use embedded_hal::spi::SpiDevice;
 ///
 /// Cost of a row: its bytes, and a transaction for each [`CHUNK`] of them. The memory can be used for
 /// other things between two polls through [`Self::memory`].
+///
+/// ```
+/// use embedded_hal::spi::{self, ErrorType, Operation, SpiDevice};
+/// use skyfront_core::hal::{MemoryFrame, PixelFormat, SerialMemory};
+/// use skyfront_core::run::frame::Frame;
+///
+/// /// A memory of 16 bytes, from which alone is read: the instruction, the address, then the data.
+/// struct Rom([u8; 16]);
+///
+/// impl ErrorType for Rom {
+///     type Error = spi::ErrorKind;
+/// }
+///
+/// impl SpiDevice for Rom {
+///     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), spi::ErrorKind> {
+///         let [Operation::Write([0x03, .., address]), Operation::Read(out)] = operations else {
+///             return Err(spi::ErrorKind::Other);
+///         };
+///         let first = usize::from(*address);
+///         out.copy_from_slice(&self.0[first..first + out.len()]);
+///         Ok(())
+///     }
+/// }
+///
+/// // Two rows of three pixels from address 4 on; 0xffff says that a pixel is saturated.
+/// let rom = Rom([0, 0, 0, 0, 1, 0, 2, 0, 3, 0, 0xff, 0xff, 0, 1, 7, 0]);
+/// let frame = MemoryFrame::new(SerialMemory::new(rom), 4, 3, 2, PixelFormat::U16Le)?;
+/// let (mut frame, mut row) = (frame.with_undefined(0xffff), [0.0; 3]);
+/// frame.row(0, &mut row)?;
+/// assert_eq!(row, [1.0, 2.0, 3.0]);
+/// frame.row(1, &mut row)?;
+/// assert!(row[0].is_nan() && row[1..] == [256.0, 7.0]);
+/// assert!(frame.row(2, &mut row).is_err());
+/// # Ok::<(), skyfront_core::hal::MemoryError<spi::ErrorKind>>(())
+/// ```
 #[derive(Debug)]
 pub struct MemoryFrame<D> {
     memory: SerialMemory<D>,

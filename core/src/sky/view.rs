@@ -14,6 +14,17 @@ use crate::sky::tail::{Shape, Tail};
 use crate::sky::values::Look;
 
 /// What is known of the sky beforehand; what is not is measured on the image.
+///
+/// ```
+/// use skyfront_core::plane::raster::BadPixel;
+/// use skyfront_core::sky::view::Known;
+///
+/// // A column that has died from row 5 on, and a noise map; the background is measured.
+/// let bad = [5, 6, 7].map(|y| BadPixel { x: 3, y });
+/// let noise = [2.5; 8 * 8];
+/// let known = Known { noise: Some(&noise), bad: &bad, ..Known::default() };
+/// assert!(known.background.is_none() && !known.relative);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known<'a> {
     /// W x H: the background, in units of the image. Where it is not finite, the pixel is undefined.

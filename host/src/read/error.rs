@@ -33,7 +33,7 @@ pub enum Fault {
     #[error("broken header: {0}")]
     Header(String),
     /// No HDU of the file holds a two-dimensional image.
-    #[error("no 2-D image in this file ({0})")]
+    #[error("no 2-D image in this file ({0}); FILE[*,*,1] is the first plane of a cube")]
     NoImage(String),
     /// The wanted HDU does not exist.
     #[error("no HDU {wanted}; the file has {present}")]
@@ -44,7 +44,7 @@ pub enum Fault {
         present: String,
     },
     /// The wanted HDU is not a two-dimensional image.
-    #[error("{0}, not a 2-D image; choose another HDU with --hdu")]
+    #[error("{0}, not a 2-D image; choose another HDU with --hdu, or a plane of a cube with FILE[*,*,1]")]
     NotTwoDimensional(String),
     /// The file ends before the data its header promises.
     #[error(

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use super::error::{Fault, ReadError};
-use super::hdu::{BLOCK, Hdu, Kind};
+use super::hdu::{BLOCK, Hdu, Kind, Shape};
 use super::header::Header;
 use super::source::Source;
-use super::{Admit, HduChoice, Image, pixels, tiles};
+use super::{Admit, Image, Wanted, pixels, tiles};
 
 /// Reads the wanted HDU, or the first 2-D image.
 pub(super) fn read(
     mut source: Source,
     path: &Path,
-    wanted: Option<&HduChoice>,
+    wanted: Wanted<'_>,
     admit: &mut Admit<'_>,
 ) -> Result<Image, ReadError> {
     let mut seen = Vec::new();
@@ -23,7 +23,7 @@ pub(super) fn read(
         let next = Hdu::next(&mut source, number).map_err(at((number > 0).then_some(number)))?;
         let Some(hdu) = next else { return Err(at(None)(missing(&seen, wanted))) };
         if is_wanted(&hdu, wanted) {
-            let image = read_hdu(&mut source, hdu, admit).map_err(at(Some(number)))?;
+            let image = read_hdu(&mut source, hdu, wanted.plane, admit).map_err(at(Some(number)))?;
             let checksum = source.checksum().map_err(at(None))?;
             return Ok(Image { primary, checksum, ..image });
         }
@@ -35,23 +35,31 @@ pub(super) fn read(
     }
 }
 
-fn is_wanted(hdu: &Hdu, wanted: Option<&HduChoice>) -> bool {
-    match (wanted, &hdu.kind) {
+fn is_wanted(hdu: &Hdu, wanted: Wanted<'_>) -> bool {
+    match (wanted.hdu, &hdu.kind) {
         (Some(choice), _) => choice.matches(hdu),
+        (None, Kind::Array(shape)) if wanted.plane.is_some() => shape.cube().is_some(),
         (None, Kind::Array(shape)) => shape.plane().is_some(),
         (None, Kind::Tiles(shape)) => shape.tiled_plane().is_some(),
         (None, Kind::Other(_)) => false,
     }
 }
 
-fn read_hdu(source: &mut Source, hdu: Hdu, admit: &mut Admit<'_>) -> Result<Image, Fault> {
+fn read_hdu(source: &mut Source, hdu: Hdu, wanted: Option<usize>, admit: &mut Admit<'_>) -> Result<Image, Fault> {
     let not_an_image = || Fault::NotTwoDimensional(hdu.words());
     let mut warnings = Vec::new();
     let (bitpix, plane, pixels) = match &hdu.kind {
         Kind::Array(shape) => {
-            let plane = shape.plane().ok_or_else(not_an_image)?;
+            let (plane, before) = match wanted {
+                Some(number) => plane_of(shape, number)?,
+                None => (shape.plane().ok_or_else(not_an_image)?, 0),
+            };
             admit(plane.0, plane.1).map_err(Fault::Refused)?;
+            source.skip(before)?;
             (shape.bitpix, plane, pixels::read(source, &hdu, shape.bitpix, plane)?)
+        }
+        Kind::Tiles(_) if wanted.is_some() => {
+            return Err(Fault::Unsupported("a plane of compressed data; decompress the file by funpack".to_owned()));
         }
         Kind::Tiles(shape) => {
             let plane = shape.tiled_plane().ok_or_else(not_an_image)?;
@@ -65,6 +73,7 @@ fn read_hdu(source: &mut Source, hdu: Hdu, admit: &mut Admit<'_>) -> Result<Imag
     warnings.extend(undefined(&pixels, bitpix)?);
     warnings.extend(hdu.header.oddities());
     let kept = match &hdu.kind {
+        Kind::Array(_) if wanted.is_some() => Some([1, 2]),
         Kind::Array(shape) => shape.plane_axes().filter(|kept| *kept != [1, 2]),
         _ => None,
     };
@@ -80,6 +89,16 @@ fn read_hdu(source: &mut Source, hdu: Hdu, admit: &mut Admit<'_>) -> Result<Imag
         checksum: 0,
         warnings,
     })
+}
+
+/// Columns and rows of a plane of a cube, numbered from 1, and the bytes before it.
+fn plane_of(shape: &Shape, number: usize) -> Result<((u64, u64), u64), Fault> {
+    let number = number as u64;
+    let wrong = || Fault::Section(format!("plane {number} is not in {}", shape.words()));
+    let (width, height, _) = shape.cube().filter(|&(.., planes)| (1..=planes).contains(&number)).ok_or_else(wrong)?;
+    let bytes = u128::from(width) * u128::from(height) * u128::from(shape.bitpix.unsigned_abs() / 8);
+    let before = u64::try_from(bytes * u128::from(number - 1)).map_err(|_| wrong())?;
+    Ok(((width, height), before))
 }
 
 /// An image without any value: a broken one if its samples could hold values, an empty one if all are `BLANK`.
@@ -101,14 +120,14 @@ fn skip(source: &mut Source, hdu: &Hdu) -> Result<(), Fault> {
 }
 
 /// Why nothing was found, with what there is instead.
-fn missing(seen: &[(String, String)], wanted: Option<&HduChoice>) -> Fault {
+fn missing(seen: &[(String, String)], wanted: Wanted<'_>) -> Fault {
     const SHOWN: usize = 24;
     let mut list: Vec<String> = seen.iter().take(SHOWN).map(|(label, words)| format!("{label}: {words}")).collect();
     if seen.len() > SHOWN {
         list.push(format!("and {} more", seen.len() - SHOWN));
     }
     let present = list.join("; ");
-    match wanted {
+    match wanted.hdu {
         Some(choice) => Fault::NoSuchHdu { wanted: choice.to_string(), present },
         None => Fault::NoImage(present),
     }

@@ -58,6 +58,16 @@ impl Shape {
         (width > 0 && height > 0).then_some((width, height))
     }
 
+    /// Columns, rows and planes of a cube, or of an image, which has one.
+    pub(super) fn cube(&self) -> Option<(u64, u64, u64)> {
+        match self.axes.as_slice() {
+            [width, height, rest @ ..] if *width > 0 && *height > 0 && rest.iter().skip(1).all(|&n| n == 1) => {
+                Some((*width, *height, rest.first().copied().unwrap_or(1)))
+            }
+            _ => None,
+        }
+    }
+
     /// The same for tile-compressed data, which were made as an image: a single axis is one row.
     pub(super) fn tiled_plane(&self) -> Option<(u64, u64)> {
         match self.axes.as_slice() {

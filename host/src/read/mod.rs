@@ -100,7 +100,7 @@ pub type Admit<'a> = dyn FnMut(u64, u64) -> Result<(), String> + 'a;
 /// # Errors
 /// As for [`image`], and [`Fault::Refused`].
 pub fn image_if(path: &Path, hdu: Option<&HduChoice>, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
-    read(Source::open(path), path, hdu, admit)
+    read(Source::open(path), path, Wanted { hdu, plane: None }, admit)
 }
 
 /// Reads one image from a stream of bytes, of which there are `length` if that is known; `name` is for messages.
@@ -129,19 +129,29 @@ pub fn stream_if(
     hdu: Option<&HduChoice>,
     admit: &mut Admit<'_>,
 ) -> Result<Image, ReadError> {
-    read(Source::new(input, length), name, hdu, admit)
+    read(Source::new(input, length), name, Wanted { hdu, plane: None }, admit)
+}
+
+/// What of a file is wanted.
+#[derive(Clone, Copy, Debug)]
+struct Wanted<'a> {
+    /// The HDU; the first that has such an image where none is named.
+    hdu: Option<&'a HduChoice>,
+    /// The plane of a cube, from 1; none for an image.
+    plane: Option<usize>,
 }
 
 fn read(
     source: Result<Source, Fault>,
     path: &Path,
-    hdu: Option<&HduChoice>,
+    wanted: Wanted<'_>,
     admit: &mut Admit<'_>,
 ) -> Result<Image, ReadError> {
     let mut source = source.map_err(|fault| fault.in_file(path))?;
     let head = source.peek().map_err(|fault| fault.in_file(path))?;
     match picture::format(head) {
-        Some(decode) => picture::read(source, path, hdu, decode, admit),
-        None => fits::read(source, path, hdu, admit),
+        Some(_) if wanted.plane.is_some() => Err(Fault::Section("a picture has no planes".to_owned()).in_file(path)),
+        Some(decode) => picture::read(source, path, wanted.hdu, decode, admit),
+        None => fits::read(source, path, wanted, admit),
     }
 }

@@ -1,10 +1,12 @@
-//! An image or a map named on the command line: `FILE`, `FILE[HDU]`, `FILE[X0:X1,Y0:Y1]` or both.
+//! An image or a map named on the command line: `FILE`, `FILE[HDU]`, `FILE[X0:X1,Y0:Y1]` or both;
+//! `FILE[*,*,K]` is a plane of a cube.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::section::Section;
-use super::{Admit, Fault, HduChoice, Image, ReadError, image_if, stream_if};
+use super::source::Source;
+use super::{Admit, Fault, HduChoice, Image, ReadError, Wanted, read};
 
 /// Where a map is: a file, and the HDU in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,11 +49,12 @@ impl Place {
     /// As [`image_if`]; a section that is not in the image.
     pub fn read_hdu_if(&self, hdu: Option<&HduChoice>, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
         let parts = self.parts();
-        let hdu = parts.hdu.as_ref().or(hdu);
-        let read = |admit: &mut Admit<'_>| match parts.file == Path::new("-") {
-            true => stream_if(Box::new(std::io::stdin()), None, parts.file, hdu, admit),
-            false => image_if(parts.file, hdu, admit),
+        let wanted = Wanted { hdu: parts.hdu.as_ref().or(hdu), plane: parts.section.and_then(Section::plane) };
+        let source = match parts.file == Path::new("-") {
+            true => Source::new(Box::new(std::io::stdin()), None),
+            false => Source::open(parts.file),
         };
+        let read = |admit: &mut Admit<'_>| read(source, parts.file, wanted, admit);
         let Some(section) = &parts.section else { return read(admit) };
         let image = section.of(read(&mut |_, _| Ok(()))?).map_err(|fault| fault.in_file(parts.file))?;
         match admit(image.width as u64, image.height as u64) {
@@ -84,6 +87,38 @@ impl fmt::Display for Place {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A cube of three planes of 3 x 2 counts, the third axis that of wavelengths.
+    fn cube() -> Vec<u8> {
+        let cards = ["SIMPLE  = T", "BITPIX  = 16", "NAXIS   = 3", "NAXIS1  = 3", "NAXIS2  = 2", "NAXIS3  = 3"];
+        let more = ["CTYPE3  = 'WAVE'", "CRVAL2  = 7.0", "END"];
+        let mut bytes: Vec<u8> =
+            cards.iter().chain(&more).flat_map(|card| format!("{card:<80}").into_bytes()).collect();
+        bytes.resize(2880, b' ');
+        bytes.extend((0..18i16).flat_map(i16::to_be_bytes));
+        bytes.resize(5760, 0);
+        bytes
+    }
+
+    #[test]
+    fn a_plane_of_a_cube_has_its_pixels_and_its_coordinates() {
+        let file = std::env::temp_dir().join(format!("skyfront-cube-{}.fits", std::process::id()));
+        std::fs::write(&file, cube()).unwrap();
+        let read = |brackets: &str| Place::new(format!("{}{brackets}", file.display())).read_if(&mut |_, _| Ok(()));
+        let second = read("[*,*,2]").unwrap();
+        assert_eq!((second.width, second.height, &second.pixels[..]), (3, 2, &[6.0, 7.0, 8.0, 9.0, 10.0, 11.0][..]));
+        assert_eq!((second.header.real("CRVAL2"), second.header.text("CTYPE3")), (Some(7.0), None));
+        assert_eq!(read("[0][2:3,2:2,3]").unwrap().pixels, [16.0, 17.0]);
+        for (brackets, why) in [
+            ("", "[*,*,1] is the first plane"),
+            ("[0]", "a plane of a cube"),
+            ("[*,*,4]", "plane 4"),
+            ("[*,*,0]", "plane 0"),
+        ] {
+            assert!(read(brackets).is_err_and(|error| error.to_string().contains(why)), "{brackets}");
+        }
+        std::fs::remove_file(&file).unwrap();
+    }
 
     #[test]
     fn brackets_choose_an_hdu_unless_a_file_has_them_in_its_name() {

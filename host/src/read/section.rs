@@ -1,15 +1,16 @@
 //! A rectangle of an image, by pixels that count from 1, both ends included (`[X0:X1,Y0:Y1]`, `*` for
-//! all of an axis).
+//! all of an axis), and the plane of a cube that it lies in (`[X0:X1,Y0:Y1,K]`).
 
 use super::Image;
 use super::error::Fault;
 use super::header::{Card, Header};
 
-/// First and last column, first and last row; none for a whole axis.
+/// First and last column, first and last row; none for a whole axis. The plane, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Section {
     columns: Option<(usize, usize)>,
     rows: Option<(usize, usize)>,
+    plane: Option<usize>,
 }
 
 impl Section {
@@ -22,8 +23,15 @@ impl Section {
                 Some(Some((first.trim().parse().ok()?, last.trim().parse().ok()?)))
             }
         };
-        let (columns, rows) = text.split_once(',')?;
-        Some(Section { columns: range(columns)?, rows: range(rows)? })
+        let (columns, rest) = text.split_once(',')?;
+        let (rows, plane) = rest.split_once(',').map_or((rest, None), |(rows, plane)| (rows, Some(plane)));
+        let plane = plane.map(|plane| plane.trim().parse().ok()).map_or(Some(None), |plane| plane.map(Some))?;
+        Some(Section { columns: range(columns)?, rows: range(rows)?, plane })
+    }
+
+    /// The plane of a cube.
+    pub(super) fn plane(self) -> Option<usize> {
+        self.plane
     }
 
     /// The section of an image; its coordinates stay true.
@@ -104,7 +112,7 @@ mod tests {
             let fault = Section::parse(text).expect("a section").of(image());
             assert!(fault.is_err_and(|fault| fault.to_string().contains("section [")), "{text}");
         }
-        for text in ["SCI", "DQ,2", "1", "1:2", "a:b,1:2"] {
+        for text in ["SCI", "DQ,2", "1", "1:2", "a:b,1:2", "*,*,", "*,*,1:2", "*,*,1,1"] {
             assert_eq!(Section::parse(text), None, "{text}");
         }
     }

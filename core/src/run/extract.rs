@@ -2,7 +2,7 @@
 //! the cut on significance, as the configuration has them.
 //!
 //! An [`Extractor`] goes through the steps of its [`Plan`], one per poll. The front of
-//! [`Scheme::Region`](crate::config::Scheme::Region) is a step of its own; that of every other scheme the caller moves over
+//! [`Scheme::Region`] is a step of its own; that of every other scheme the caller moves over
 //! [`Extractor::image`], with a [`Segmenter`](crate::run::segmenter::Segmenter) of the same
 //! configuration, and hands it over by [`Extractor::outline`]. Of a filter in steps before the region's own front
 //! the same segmenter makes the filtered image alone, for [`Extractor::start_from`].
@@ -517,7 +517,7 @@ fn drop_undefined<P: Sample>(walk: &mut Walk, view: &View<'_, P>, labels: &mut [
     })
 }
 
-/// A whole run with the front of [`Scheme::Region`](crate::config::Scheme::Region) into `work.labels`.
+/// A whole run with the front of [`Scheme::Region`] into `work.labels`.
 ///
 /// # Errors
 /// Those of [`Extractor::new`] and [`Extractor::poll`], and [`Error::Front`] for another scheme or a filter in steps.

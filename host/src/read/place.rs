@@ -37,7 +37,7 @@ impl Place {
     /// Reads the map, if `admit` has nothing against its size.
     ///
     /// # Errors
-    /// As [`image_if`].
+    /// As [`super::image_if`].
     pub fn read_if(&self, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
         self.read_hdu_if(None, admit)
     }
@@ -46,7 +46,7 @@ impl Place {
     /// own size is heard.
     ///
     /// # Errors
-    /// As [`image_if`]; a section that is not in the image.
+    /// As [`super::image_if`]; a section that is not in the image.
     pub fn read_hdu_if(&self, hdu: Option<&HduChoice>, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
         let parts = self.parts();
         let wanted = Wanted { hdu: parts.hdu.as_ref().or(hdu), plane: parts.section.and_then(Section::plane) };

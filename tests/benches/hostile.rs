@@ -4,7 +4,7 @@
 //! `cargo bench -p skyfront-benches --bench hostile [-- SIDE ...]`, by default 512 to 4096. Printed are the
 //! processor's time per pixel and, where valgrind is installed, for the smaller sides the instructions, which
 //! nothing else on the machine changes. More than [`GATE`] times as many for the greatest side as
-//! for the least are a failure, and so are times, but from [`CACHED`] on: smaller images lie in the caches.
+//! for the least, or as much time, are a failure.
 
 use nix::sys::resource::{UsageWho, getrusage};
 use skyfront_tests::command::{Folder, program};
@@ -16,8 +16,6 @@ use std::process::{Command, ExitCode, Stdio};
 const GATE: f64 = 1.3;
 /// Sides of which the instructions are counted: that takes fifty times as long.
 const COUNTED: usize = 1024;
-/// The first side whose times are compared.
-const CACHED: usize = 1024;
 
 /// A name, and the light at column and row of an image of a side.
 type Kind = (&'static str, fn(usize, usize, usize) -> f64);
@@ -124,9 +122,7 @@ fn main() -> ExitCode {
             let line = line(&folder, &image);
             let (time, count) = (time(&line, side), (side <= COUNTED).then(|| instructions(&line, side)).flatten());
             println!("{name:16} {side:5} {time:8.0} ns {:8.0} instructions per pixel", count.unwrap_or(f64::NAN));
-            if side >= CACHED {
-                costs.entry((name, "time")).or_default().push(time);
-            }
+            costs.entry((name, "time")).or_default().push(time);
             costs.entry((name, "instructions")).or_default().extend(count);
         }
     }

@@ -152,14 +152,14 @@ unsafe fn start(
     let &skyfront_search_setup { width, height, stride, .. } = setup;
     let mut config = Config::NOISE_AWARE;
     let count = pixels_of(width, height, stride);
-    // SAFETY: the caller's promise; atomic counts have the layout of plain ones.
+    // SAFETY: the caller's promise; atomic counts have the layout of plain ones, and records are the core's own.
     let given = unsafe {
         set(&mut config, setup.settings, setup.setting_count, message)?;
         (
             slice(setup.pixels_u16.cast::<AtomicU16>(), count),
             slice(setup.pixels_u8.cast::<AtomicU8>(), count),
             slice(setup.bad_pixels.cast::<BadPixel>(), setup.bad_pixel_count),
-            slice(setup.camera, usize::from(!setup.camera.is_null())),
+            slice(setup.camera.cast::<Camera>(), usize::from(!setup.camera.is_null())),
         )
     };
     if config.needs_segmenter() {
@@ -169,8 +169,7 @@ unsafe fn start(
     let (words, bytes, bad, Some(camera)) = given else { return Err(SKYFRONT_ERROR_POINTER) };
     let gain = camera.first().map(|camera| f64::from(camera.gain));
     let place = block.take::<skyfront_search>(1);
-    let camera =
-        camera.first().map_or(Some(None), |camera| block.filled(1, camera_of(camera)).map(|copy| copy.first()));
+    let camera = camera.first().map_or(Some(None), |camera| block.filled(1, *camera).map(|copy| copy.first()));
     let work = workspace(&mut block, setup, config.sky.cell());
     let (Some(place), Some(camera), Some(work)) = (place, camera, work) else {
         let needed = skyfront_search_bytes(width, height, setup.regions);
@@ -188,11 +187,6 @@ unsafe fn start(
     // SAFETY: the place is aligned and has room for one run.
     unsafe { place.write(skyfront_search { search, size: (width, height), sources: None, gain, catalogue: None }) };
     Ok(place)
-}
-
-fn camera_of(camera: &skyfront_camera) -> Camera {
-    let &skyfront_camera { black, gain, read_noise, saturation, psf_sigma } = camera;
-    Camera { black, gain, read_noise, saturation, psf_sigma }
 }
 
 fn searched<P: Sample>(
@@ -488,7 +482,8 @@ mod tests {
         let search = started(&mut memory, &setup).expect("memory enough");
         assert_eq!(catalogue(search, 1, 100), Err(SKYFRONT_ERROR_NOT_DONE));
         let all = labels(search, 100).expect("sources");
-        let expected = expected(&words, &camera_of(&CAMERA));
+        let skyfront_camera { black, gain, read_noise, saturation, psf_sigma } = CAMERA;
+        let expected = expected(&words, &Camera { black, gain, read_noise, saturation, psf_sigma });
         for rows in [1, 7, 1000] {
             let found = catalogue(search, rows, 100).expect("sources");
             assert_eq!(found.len(), expected.len());

@@ -178,8 +178,8 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     }
 
     /// Does at most `rows` rows (at least one) of the step under way; where a filter or a front is awaited, or nothing is
-    /// left to do, nothing. A row is as many pixels of a pass, keys of a sort or regions of the table as the frame has columns; where
-    /// that is more, a cell of the mesh, and once each what the sample of the values tells.
+    /// left to do, nothing. A row is as many pixels of a pass, keys of a sort or regions of the table as the frame has
+    /// columns; where that is more, a cell of the mesh, and once each what the sample of the values tells.
     ///
     /// The same bits come out whatever the parts. A frame that is a part of an image is worked on in whole steps. After an
     /// error the run cannot go on, and every poll reports the same.
@@ -286,7 +286,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             }
             Stage::Outline => {
                 let start = smoothed(config.filter, [work.signal, work.fine, work.smooth]);
-                let start = if config.filter.is_stepped() { None } else { Some(start) };
+                let start = (!config.filter.is_stepped()).then_some(start);
                 Front::new(config.outline).outline_in((walk, crew), (work.fine, start), work.labels, work.rows, grid)
             }
             Stage::Tree => {

@@ -16,8 +16,8 @@ use std::time::Instant;
 #[derive(Debug, Args)]
 pub struct Arguments {
     /// The images: FITS (also .gz, .fz), PGM or PNG; - is standard input. [HDU] after a name chooses
-    /// an HDU, [X0:X1,Y0:Y1] a section of pixels that count from 1, [*,*,K] the plane K of a cube. Each of several images gets its
-    /// own folder below --out, and summary.csv lists them all.
+    /// an HDU, [X0:X1,Y0:Y1] a section of pixels that count from 1, [*,*,K] the plane K of a cube.
+    /// Each of several images gets its own folder below --out, and summary.csv lists them all.
     #[arg(value_name = "IMAGE", required = false, required_unless_present = "dump_config")]
     pub images: Vec<PathBuf>,
     /// Folder for the results; made where it is absent.

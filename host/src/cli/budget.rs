@@ -3,11 +3,10 @@
 use super::Usage;
 use super::choices::ArithmeticOption;
 use super::instructions::needs;
-use super::memory::MOST_PIXELS;
+use super::memory::{MOST_PIXELS, of_segmenter};
 use super::options::Options;
 use super::say::Stdout;
 use crate::extraction;
-use crate::pipeline::room_for_sources;
 use anyhow::{Result, bail};
 use clap::Args;
 use skyfront_core::arithmetic::{Arithmetic, Cell, F32, Q11, Q24};
@@ -64,8 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn on_signal(config: &Config, (width, height): (usize, usize)) -> Result<String> {
     let mut parts = extraction::memory(config, width, height).to_vec();
     if config.needs_segmenter() {
-        let sources = room_for_sources(width * height);
-        let moved = memory::bytes(width, height, IMAGE_BYTES, config.scheme == Scheme::SlCurvature, sources);
+        let moved = of_segmenter(config, width, height);
         // What it goes over, and what it leaves.
         parts.push((moved + 2 * IMAGE_BYTES * width * height, "planes of the front or the filter, and its catalogue"));
     }

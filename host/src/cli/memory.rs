@@ -34,12 +34,17 @@ pub fn need(config: &Config, pictures: bool, maps: usize, (width, height): Size)
         bytes_of_run += extraction::memory(config, w, h).iter().map(|(bytes, _)| bytes).sum::<usize>();
     }
     if config.needs_segmenter() {
-        let sl_curvature = config.scheme == Scheme::SlCurvature;
-        bytes_of_run += bytes(w, h, size_of::<f32>(), sl_curvature, room_for_sources(w * h));
+        bytes_of_run += of_segmenter(config, w, h);
         (others, of_pictures) = (4, 5);
     }
     let planes = others + maps + if pictures { of_pictures } else { 0 };
     Ok((bytes_of_run + planes * plane) as u64 + BESIDE)
+}
+
+/// The planes of a front of the paper or a filter in steps over a frame of so many columns and rows, and its catalogue.
+pub fn of_segmenter(config: &Config, width: usize, height: usize) -> usize {
+    let sources = room_for_sources(width * height);
+    bytes(width, height, size_of::<f32>(), config.scheme == Scheme::SlCurvature, sources)
 }
 
 /// The bytes that the sources of a run take at most while they are measured and written: each a row of the catalogue.

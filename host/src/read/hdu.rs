@@ -58,6 +58,14 @@ impl Shape {
         (width > 0 && height > 0).then_some((width, height))
     }
 
+    /// The same for tile-compressed data, which were made as an image: a single axis is one row.
+    pub(super) fn tiled_plane(&self) -> Option<(u64, u64)> {
+        match self.axes.as_slice() {
+            [width] if *width > 0 => Some((*width, 1)),
+            _ => self.plane().filter(|_| self.plane_axes() == Some([1, 2])),
+        }
+    }
+
     /// Columns, rows and planes of a cube, or of an image, which has one.
     pub(super) fn cube(&self) -> Option<(u64, u64, u64)> {
         match self.axes.as_slice() {
@@ -65,14 +73,6 @@ impl Shape {
                 Some((*width, *height, rest.first().copied().unwrap_or(1)))
             }
             _ => None,
-        }
-    }
-
-    /// The same for tile-compressed data, which were made as an image: a single axis is one row.
-    pub(super) fn tiled_plane(&self) -> Option<(u64, u64)> {
-        match self.axes.as_slice() {
-            [width] if *width > 0 => Some((*width, 1)),
-            _ => self.plane().filter(|_| self.plane_axes() == Some([1, 2])),
         }
     }
 

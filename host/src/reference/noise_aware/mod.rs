@@ -172,7 +172,9 @@ pub fn run(
         let mut regions = if settings.by_tree {
             let image = sharpened(&fine, 1.5, settings.sharpening);
             let mut regions = tree(&image, &inside, photon, settings, judge);
-            deblend(&image, &smooth, &mut regions, (tail.noise, photon), settings, judge);
+            opened(&image, &smooth, &mut regions, (tail.noise, photon), settings, judge);
+            (0..2).for_each(|_| compete(&image, &mut regions));
+            settle(&mut regions, width);
             regions
         } else {
             components(&inside, width, settings.connectivity)
@@ -186,21 +188,7 @@ pub fn run(
     Err(ReferenceError::NoSky)
 }
 
-/// Everything that becomes of the regions of the tree.
-pub fn deblend(
-    image: &Plane,
-    smooth: &Plane,
-    regions: &mut Regions,
-    (noise, photon): (f64, f64),
-    settings: &Settings,
-    judge: &Judge,
-) {
-    opened(image, smooth, regions, (noise, photon), settings, judge);
-    (0..2).for_each(|_| compete(image, regions));
-    settle(regions, image.width());
-}
-
-/// What becomes of them before they compete.
+/// What becomes of the regions of the tree before they compete.
 pub fn opened(
     image: &Plane,
     smooth: &Plane,

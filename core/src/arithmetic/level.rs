@@ -48,6 +48,8 @@ pub trait Level: Real + Cell + Sealed {
     fn times(self, count: u32) -> Self::Sum;
     /// The part, from 0 to 10^6, of a sum.
     fn share(sum: Self::Sum, part: f32) -> Self::Sum;
+    /// The `f32` nearest to a sum.
+    fn sum_to_f32(sum: Self::Sum) -> f32;
     /// The bits of a sum.
     fn sum_bits(sum: Self::Sum) -> u64;
     /// The sum that has these bits; 0 where they are no number's.
@@ -105,6 +107,11 @@ impl Level for f32 {
     #[inline]
     fn share(sum: f64, part: f32) -> f64 {
         sum * f64::from(part)
+    }
+
+    #[inline]
+    fn sum_to_f32(sum: f64) -> f32 {
+        sum as f32
     }
 
     fn sum_bits(sum: f64) -> u64 {
@@ -176,6 +183,11 @@ impl Level for Fixed14 {
         let part = (part * 16_777_216.0) as i64;
         let share = (i128::from(sum) * i128::from(part)) >> 24;
         share.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64
+    }
+
+    #[inline]
+    fn sum_to_f32(sum: i64) -> f32 {
+        sum as f32 / 16384.0
     }
 
     fn sum_bits(sum: i64) -> u64 {

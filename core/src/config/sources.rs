@@ -71,12 +71,14 @@ pub struct Deblending {
     pub excess: f32,
     /// Pixels of it, at least 1.
     pub reopened_area: u32,
+    /// So many knots, as sharp as stars, are part of the galaxy that they touch; 0: none are. 0 to 10^9.
+    pub knots: u32,
 }
 
 impl Deblending {
     /// The default for every kind of sky.
     pub const DEFAULT: Deblending =
-        Deblending { branch: 10.0, contrast: 0.0005, sharpening: 0.6, excess: 5.5, reopened_area: 4 };
+        Deblending { branch: 10.0, contrast: 0.0005, sharpening: 0.6, excess: 5.5, reopened_area: 4, knots: 3 };
 }
 
 /// Which sources are kept.

@@ -265,6 +265,14 @@ table![
         .unit("px")
         .range(Range::within(1.0, 1e9))
         .help("Pixels with so much light that such a source needs."),
+    whole("deblend-knots", "SFKNOTS", |c| Some(Long(&mut c.deblending.knots)))
+        .at(Step::Separate, &[BY_TREE])
+        .unit("knots")
+        .range(Range::within(0.0, 1e9))
+        .help(
+            "So many knots in the light of a galaxy, sharp and each with 0.1 to 0.5 percent of it, are no \
+             sources of their own; 0 keeps all.",
+        ),
     choice("select", "SFSELECT", SELECTIONS, select, set_select).at(Step::Select, &[]).help("Which sources are kept."),
     real("false-sources", "SFFALSE", |c| Some(Real(&mut c.significance.false_sources)))
         .at(Step::Select, &[BY_SIGNIFICANCE])

@@ -6,6 +6,7 @@ pub mod catalog;
 pub(crate) mod centre;
 pub mod deblend;
 pub mod flags;
+pub(crate) mod knots;
 pub mod label;
 pub mod measure;
 pub(crate) mod pieces;

@@ -13,6 +13,7 @@ use crate::plane::sort;
 use crate::plane::walk::Walk;
 use crate::sources::centre::{centre_on_light, shape};
 use crate::sources::deblend::{Contest, Opening, Reopening, compete, reopen, straighten};
+use crate::sources::knots;
 use crate::sources::pieces::{Joining, connect, relabel};
 use crate::sources::tree::{Count, Noise, Region, Share, grow, grow_by, region_at, root_of};
 use crate::sources::typical::Typical;
@@ -423,6 +424,7 @@ pub(crate) fn deblend<L: Level>(
         compete((walk, crew), contest, field, work.labels, regions, SWEEPS)?;
     }
     straighten((walk, crew), work.labels, work.order, grid, STRAIGHTENINGS)?;
+    knots::join((walk, crew), deblending.knots, field, work.labels, regions)?;
     connect(walk, joining, grid, work.labels, (work.order, work.parents), regions)
 }
 

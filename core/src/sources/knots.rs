@@ -1,0 +1,143 @@
+//! A galaxy with knots is one source.
+//!
+//! Clusters and regions of star formation shine through a galaxy's light as sharp as stars, with peaks of their own. One
+//! may as well lie before it or behind it; where there are several, they are the galaxy's.
+
+use crate::arithmetic::{Level, Real};
+use crate::plane::crew::Crew;
+use crate::plane::field::Field;
+use crate::plane::rows::{next_with, row_of};
+use crate::plane::walk::Walk;
+use crate::sources::centre::each_pixel;
+use crate::sources::tree::Region;
+
+/// A galaxy has the light of more than so many pixels like its brightest.
+const EXTENDED: f32 = 50.0;
+/// But of fewer than this part of its area: a cloud, with stars before it, is nearly as bright everywhere.
+const CONCENTRATED: f32 = 0.05;
+/// The middle of its light is nearer to its peak than this part of the root of its area.
+const MIDDLE: f32 = 0.1;
+/// A knot has the light of fewer pixels like its brightest.
+const SHARP: f32 = 25.0;
+/// A knot has more than the first and less than the second part of its galaxy's light.
+const SHARE: (f32, f32) = (0.001, 0.005);
+/// In place of the number of its knots: no galaxy.
+const NO_GALAXY: u32 = u32::MAX;
+
+/// Gives each galaxy the knots that touch it, if they are `least` or more; with 0 none. Of the regions `label`, `area`,
+/// `sum` and `offsets` do not outlast it. Cost: three looks at each pixel.
+pub(crate) fn join<L: Level>(
+    (walk, crew): (&mut Walk, &impl Crew),
+    least: u32,
+    field: Field<'_, L>,
+    labels: &mut [u32],
+    regions: &mut [Region<L>],
+) -> Option<()> {
+    if least == 0 {
+        return Some(());
+    }
+    let (width, count) = (field.grid.width.get(), regions.len());
+    walk.pass(count, 1, |part| {
+        for region in regions.get_mut(part).unwrap_or(&mut []) {
+            (region.label, region.area, region.sum, region.offsets) = (0, 0, L::NOTHING, (0.0, 0.0));
+        }
+    })?;
+    each_pixel((walk, crew), (field.grid, labels), regions, |region, at, (column, row)| {
+        let (peak_x, peak_y) = field.grid.place(region.peak as usize);
+        let light = field.at(at).positive();
+        let part = light.to_f32().ratio(field.at(region.peak as usize).to_f32());
+        (region.area, region.sum) = (region.area + 1, region.sum + light.times(1));
+        region.offsets.0 += part * (column as f32 - peak_x as f32);
+        region.offsets.1 += part * (row as f32 - peak_y as f32);
+    })?;
+    walk.pass(count, 1, |part| {
+        for region in regions.get_mut(part).unwrap_or(&mut []) {
+            region.area = if is_galaxy(field, region) { 0 } else { NO_GALAXY };
+        }
+    })?;
+    walk.pass(field.grid.height, width, |rows| rows.for_each(|y| meet(y, width, labels, regions)))?;
+    walk.pass(count, 1, |part| {
+        for index in part {
+            let galaxy = galaxy_of(field, regions, index).unwrap_or(0);
+            if let Some(galaxy) = index_of(galaxy).and_then(|galaxy| regions.get_mut(galaxy)) {
+                galaxy.area += 1;
+            }
+        }
+    })?;
+    walk.tally(count, 1, |tally, part| {
+        tally.count = if part.start == 0 { 0 } else { tally.count };
+        for index in part {
+            let knots = |galaxy: u32| region_of(regions, galaxy).map_or(0, |galaxy| galaxy.area);
+            let galaxy = galaxy_of(field, regions, index).filter(|&galaxy| knots(galaxy) >= least);
+            tally.count += usize::from(galaxy.is_some());
+            if let Some(region) = regions.get_mut(index) {
+                region.label = galaxy.unwrap_or(index as u32 + 1);
+            }
+        }
+    })?;
+    walk.pass(if walk.tally.count > 0 { labels.len() } else { 0 }, 1, |part| {
+        let mut next = part.start;
+        while let Some(at) = next_with(labels.get(..part.end).unwrap_or(&[]), next, u32::MAX) {
+            next = at + 1;
+            if let Some(label) = labels.get_mut(at) {
+                *label = region_of(regions, *label).map_or(0, |region| region.label);
+            }
+        }
+    })
+}
+
+fn index_of(label: u32) -> Option<usize> {
+    (label as usize).checked_sub(1)
+}
+
+fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
+    regions.get(index_of(label)?)
+}
+
+/// The light of a region in that of its brightest pixel.
+fn extent<L: Level>(field: Field<'_, L>, region: &Region<L>) -> f32 {
+    L::sum_to_f32(region.sum).ratio(field.at(region.peak as usize).to_f32())
+}
+
+/// Whether a region whose light is summed up is a galaxy.
+fn is_galaxy<L: Level>(field: Field<'_, L>, region: &Region<L>) -> bool {
+    let (extent, area, (x, y)) = (extent(field, region), region.area as f32, region.offsets);
+    let radius = MIDDLE * extent;
+    extent > EXTENDED && extent < CONCENTRATED * area && x * x + y * y < radius * radius * area
+}
+
+/// Lets sources that touch along an edge, within a row or between it and the next, know of each other.
+fn meet<L: Level>(y: usize, width: usize, labels: &[u32], regions: &mut [Region<L>]) {
+    let (row, above) = (row_of(labels, width, y), row_of(labels, width, y + 1));
+    let (mut next, mut met) = (0, [0; 2]);
+    while let Some(x) = next_with(row, next, u32::MAX) {
+        next = x + 1;
+        let own = row.get(x).copied().unwrap_or(0);
+        for near in [row.get(next), above.get(x)].into_iter().flatten().copied() {
+            if near != 0 && near != own && met != [own, near] {
+                met = [own, near];
+                remember(regions, own, near);
+                remember(regions, near, own);
+            }
+        }
+    }
+}
+
+/// A source keeps the label of the brightest other that it has met, of equals the first.
+fn remember<L: Level>(regions: &mut [Region<L>], own: u32, other: u32) {
+    let light_of = |label: u32| region_of(regions, label).map(|region| region.sum);
+    let known = region_of(regions, own).and_then(|own| light_of(own.label));
+    if known.is_none_or(|known| light_of(other).is_some_and(|other| other > known))
+        && let Some(own) = index_of(own).and_then(|own| regions.get_mut(own))
+    {
+        own.label = other;
+    }
+}
+
+/// The label of the galaxy of which a region is a knot.
+fn galaxy_of<L: Level>(field: Field<'_, L>, regions: &[Region<L>], index: usize) -> Option<u32> {
+    let region = regions.get(index)?;
+    let galaxy = region_of(regions, region.label).filter(|galaxy| galaxy.area != NO_GALAXY)?;
+    let [least, most] = [SHARE.0, SHARE.1].map(|part| L::share(galaxy.sum, part));
+    (region.sum > least && region.sum < most && extent(field, region) < SHARP).then_some(region.label)
+}

@@ -68,6 +68,8 @@ FAULTS = [
     ("light is read at the wrong corner", "core/src/plane/field.rs", "(row(first) * (L::ONE - <<part_y>>)", "part_x", "core:plane:: all:rules_default::"),
     ("wide sources are centred on their peaks", "core/src/sources/centre.rs", "    <<region.area > WIDE>>\n", "region.area > 100 * WIDE", "core:sources::centre"),
     ("a galaxy's knots are sources", "core/src/sources/deblend.rs", "is_wide(host) && known < <<KNOT>>", "0", "core:sources::deblend all:rules_default::knots"),
+    ("clouds are galaxies", "core/src/sources/knots.rs", "extent < <<CONCENTRATED>> * area", "1.0", "core:sources::knots"),
+    ("knots are as bright as their galaxies", "core/src/sources/knots.rs", "region.sum < <<most>> &&", "galaxy.sum", "core:sources::knots all:rules_default::a_galaxy"),
     ("a needle has an ellipse", "core/src/plane/field.rs", "(left > <<THINNEST>>)", "0.001", "core:plane::field"),
     ("a faint sharp star is a hot pixel", "core/src/sky/spike.rs", "share(SHARPEST) - L::of(<<TAKEN>>)", "0.5", "core:sky::spike all:rules_default::every_choice"),
     ("plateaus are twice as large", "core/src/sources/centre.rs", "region.plateau < <<SHARE>> * region.area", "0.5", "core:sources::centre"),

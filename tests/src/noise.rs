@@ -34,3 +34,24 @@ pub fn add_star(pixels: &mut [f32], width: usize, (x, y): (f32, f32), sigma: f32
         *pixel += peak * (-0.5 * (dx * dx + dy * dy) / (sigma * sigma)).exp();
     }
 }
+
+/// A galaxy on noise of 1 in 140 x 140 pixels, a bulge in a disc, with a sharp knot around it for each of these shares of
+/// its light.
+pub fn galaxy_with_knots(seed: u64, shares: &[f32]) -> Vec<f32> {
+    const SIDE: usize = 140;
+    let (cx, cy) = (70.2, 69.7);
+    let mut pixels: Vec<f32> = gaussian(seed, SIDE * SIDE).into_iter().map(|noise| 100.0 + noise).collect();
+    for (at, pixel) in pixels.iter_mut().enumerate() {
+        let far = ((at % SIDE) as f32 - cx).hypot((at / SIDE) as f32 - cy);
+        *pixel += 1500.0 * (-far / 6.0).exp() + 3000.0 * (-far * far / 8.0).exp();
+    }
+    const LIGHT: f32 = std::f32::consts::TAU * (1500.0 * 36.0 + 3000.0 * 4.0);
+    const WIDTH: f32 = 1.2;
+    for (number, share) in shares.iter().enumerate() {
+        let angle = std::f32::consts::TAU * number as f32 / shares.len() as f32 + 0.2;
+        let far = 18.0 + 1.5 * (number % 3) as f32;
+        let place = (cx + far * angle.cos(), cy + far * angle.sin());
+        add_star(&mut pixels, SIDE, place, WIDTH, share * LIGHT / (std::f32::consts::TAU * WIDTH * WIDTH));
+    }
+    pixels
+}

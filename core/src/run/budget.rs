@@ -52,12 +52,12 @@ pub const fn polls(cells: u64, width: usize, rows: usize) -> u64 {
 }
 
 /// Passes over all pixels: 3 for the values, 24 for background and signal, 27 for smoothing, 16 for the mask, 44 for the
-/// photon noise, 1 for the front's start, 30 for the tree, 96 for deblending, 17 for the selection.
-const PASSES: u64 = 258;
+/// photon noise, 1 for the front's start, 30 for the tree, 99 for deblending, 17 for the selection.
+const PASSES: u64 = 261;
 /// Passes over a sample: 14 sorts of 11, and what its values tell.
 const SAMPLE_PASSES: u64 = 174;
 /// Passes over the regions.
-const REGION_PASSES: u64 = 60;
+const REGION_PASSES: u64 = 65;
 /// Passes over the cells of the mesh, half of them its copy: up to 128 rings of unknown cells are filled from eight
 /// neighbours each, three times.
 const CELL_PASSES: u64 = 3 * 4 * 130;

@@ -141,3 +141,91 @@ fn galaxy_of<L: Level>(field: Field<'_, L>, regions: &[Region<L>], index: usize)
     let [least, most] = [SHARE.0, SHARE.1].map(|part| L::share(galaxy.sum, part));
     (region.sum > least && region.sum < most && extent(field, region) < SHARP).then_some(region.label)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::Fixed14;
+    use crate::plane::crew::Alone;
+    use crate::plane::grid::Grid;
+
+    extern crate std;
+    use std::vec::Vec;
+
+    const SIDE: usize = 64;
+    /// What has less light is in no source.
+    const FAINT: f32 = 0.2;
+    const KNOTS: [(f32, f32); 3] = [(54.0, 32.0), (21.0, 51.0), (21.0, 13.0)];
+
+    type Light = fn(f32) -> f32;
+
+    fn galaxy(far: f32) -> f32 {
+        200.0 * libm::expf(-far / 4.0)
+    }
+
+    fn knot(off: f32) -> f32 {
+        libm::expf(-off * off / 2.0)
+    }
+
+    /// How many of three knots, of so much light at the peak and nine pixels, are joined to a host of that light by distance
+    /// from the middle of the frame, of which a peak that many columns to the right is known.
+    fn joined<L: Level>(host: Light, right: usize, peak: f32, least: u32, cells: usize) -> usize {
+        let place = |at: usize| ((at % SIDE) as f32, (at / SIDE) as f32);
+        let near = |at: usize| KNOTS.map(|(x, y)| libm::hypotf(place(at).0 - x, place(at).1 - y));
+        let light = |at: usize| {
+            let far = libm::hypotf(place(at).0 - 32.0, place(at).1 - 32.0);
+            host(far) + near(at).map(|off| peak * knot(off)).iter().sum::<f32>()
+        };
+        let mut values: Vec<L> = (0..SIDE * SIDE).map(|at| L::of(light(at))).collect();
+        values[32 * SIDE + 32 + right] = values[32 * SIDE + 32];
+        let label = |at: usize| match near(at).iter().position(|&off| off < 2.0) {
+            Some(knot) => knot as u32 + 2,
+            None => u32::from(light(at) > FAINT),
+        };
+        let mut labels: Vec<u32> = (0..SIDE * SIDE).map(label).collect();
+        let before = labels.clone();
+        let mut regions = [Region::<L>::BLANK; 4];
+        regions[0].peak = (32 * SIDE + 32 + right) as u32;
+        for (region, (x, y)) in regions[1..].iter_mut().zip(KNOTS) {
+            region.peak = (y as usize * SIDE + x as usize) as u32;
+        }
+        let field = Field { values: &values, grid: Grid::of(values.len(), SIDE).expect("there are columns") };
+        let mut walk = Walk::whole();
+        walk.resume(cells);
+        while join((&mut walk, &Alone), least, field, &mut labels, &mut regions).is_none() {
+            walk.resume(cells);
+        }
+        let all = |own: u32, now: u32| {
+            labels.iter().zip(&before).filter(|&(_, &label)| label == own).all(|(&label, _)| label == now)
+        };
+        assert!(all(0, 0) && all(1, 1));
+        (2..5).filter(|&knot| all(knot, 1) || !all(knot, knot)).count()
+    }
+
+    fn both(host: Light, right: usize, peak: f32, least: u32) -> usize {
+        let found = joined::<f32>(host, right, peak, least, usize::MAX);
+        assert_eq!(joined::<Fixed14>(host, right, peak, least, usize::MAX), found);
+        assert_eq!(joined::<f32>(host, right, peak, least, 1), found);
+        found
+    }
+
+    #[test]
+    fn a_galaxy_has_its_knots_where_they_are_enough() {
+        assert_eq!([0, 1, 2, 3, 4].map(|least| both(galaxy, 0, 10.0, least)), [0, 3, 3, 3, 0]);
+    }
+
+    #[test]
+    fn what_is_too_faint_or_too_bright_is_no_knot() {
+        // The galaxy has 20 000, a knot 4.9 times its peak and 7.
+        assert_eq!([1.0, 3.5, 18.0, 20.0].map(|peak| both(galaxy, 0, peak, 3)), [0, 3, 3, 0]);
+    }
+
+    #[test]
+    fn a_cloud_and_a_star_have_none() {
+        let cloud: Light = |far| if far < 26.0 { 20.0 - 0.4 * far } else { 0.0 };
+        assert_eq!(both(cloud, 0, 5.0, 3), 0);
+        let star: Light = |far| 5000.0 * libm::expf(-far * far / 2.0) + 2.0 * libm::expf(-far / 8.0);
+        assert_eq!(both(star, 0, 30.0, 3), 0);
+        assert_eq!([3, 5].map(|right| both(galaxy, right, 10.0, 3)), [3, 0], "its light has no middle there");
+    }
+}

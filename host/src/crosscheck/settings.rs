@@ -99,6 +99,7 @@ pub fn settings(config: &c::Config) -> Settings {
         contrast: decimal(deblending.contrast),
         excess: decimal(deblending.excess),
         reopened_area: deblending.reopened_area as usize,
+        knots: deblending.knots as usize,
         sharpening: decimal(deblending.sharpening),
         connectivity: connectivity(config.connectivity),
         by_significance: config.select == c::Select::Significance,

@@ -562,8 +562,13 @@ impl Walk {
         let [.., last] = competitions[1] else { return self.notes.missing("deblended") };
         self.regions.labels.clone_from(&last.labels);
         self.make_room(last.regions.len());
-        reference::settle(&mut self.regions, self.width);
-        reference::drop_undefined(&mut self.regions.labels, &self.defined);
+        let run = |judge: &Judge| {
+            let mut regions = self.regions.clone();
+            reference::settle(image, &mut regions, &self.asked, judge);
+            reference::drop_undefined(&mut regions.labels, &self.defined);
+            regions
+        };
+        self.regions = reference::nearest(self.slack(), run, |regions| apart(after.has(), regions));
         self.notes.count("deblended", apart(after.has(), &self.regions));
     }
 

@@ -3,12 +3,13 @@
 
 use skyfront::crosscheck::{Difference, settings, walk_signal};
 use skyfront::machine::Native;
+use skyfront::pipeline::{Drive, segment};
 use skyfront::reference::Connectivity as Touching;
 use skyfront::reference::noise_aware::{Settings, Smoothing};
 use skyfront_core::arithmetic::{F32, Fixed14, Q24};
-use skyfront_core::config::{Background, Config, Connectivity, Filter, Normalize, Select, Separate};
+use skyfront_core::config::{Background, Config, Connectivity, Deblending, Filter, Normalize, Select, Separate};
 use skyfront_core::simulate::Kind;
-use skyfront_tests::noise::{add_star, correlated, gaussian};
+use skyfront_tests::noise::{add_star, correlated, galaxy_with_knots, gaussian};
 use skyfront_tests::runs::sky;
 
 const WIDTH: usize = 140;
@@ -135,6 +136,39 @@ fn knots_on_galaxies_are_opened_as_the_reference_opens_them() {
     }
 }
 
+/// How many sources are found on these pixels.
+fn sources(config: &Config, pixels: &[f32], width: usize) -> u32 {
+    let height = pixels.len() / width;
+    segment(config, pixels, width, height, &mut Drive::default()).expect("a sky").outcome.sources
+}
+
+/// Knots of all shares of a galaxy's light, in both arithmetics; the reference that keeps them is found to differ.
+#[test]
+fn knots_become_their_galaxy_s_as_the_reference_joins_them() {
+    let config = Config::NOISE_AWARE;
+    let keeping = Config { deblending: Deblending { knots: 0, ..config.deblending }, ..config };
+    let shares = |first: f32| (0..8).map(|n| first * 1.15f32.powi(n)).collect::<Vec<f32>>();
+    for (seed, first) in [(1, 0.0007), (2, 0.0012), (3, 0.0021), (4, 0.0030)] {
+        let pixels = galaxy_with_knots(seed, &shares(first));
+        assert_eq!(differing(&config, &settings(&config), &pixels, 140), [""; 0], "seed {seed}");
+        let wrong = differing(&config, &settings(&keeping), &pixels, 140);
+        assert!(wrong.contains(&"deblended"), "seed {seed}: {wrong:?}");
+    }
+}
+
+#[test]
+fn a_galaxy_with_three_knots_is_one_source() {
+    let config = Config::NOISE_AWARE;
+    let asked = |knots: u32| Config { deblending: Deblending { knots, ..config.deblending }, ..config };
+    let found = |knots: u32, shares: &[f32]| sources(&asked(knots), &galaxy_with_knots(5, shares), 140);
+    assert_eq!(found(3, &[0.003; 3]), 1);
+    assert_eq!(found(3, &[0.003; 2]), 3);
+    assert_eq!(found(4, &[0.003; 3]), 4);
+    assert_eq!(found(0, &[0.003; 3]), 4);
+    // Two of five are too bright to be the galaxy's.
+    assert_eq!(found(3, &[0.003, 0.01, 0.003, 0.01, 0.003]), 3);
+}
+
 #[test]
 fn every_choice_is_the_reference_s() {
     let skies = [
@@ -205,7 +239,8 @@ fn every_setting_is_noticed() {
     let asked = settings(&config);
     let photons = counts();
     let noisy = sky(Kind::Noisy, 2, WIDTH, HEIGHT);
-    let others: [(Settings, &str); 17] = [
+    let clumpy = galaxy_with_knots(5, &[0.003; 3]);
+    let others: [(Settings, &str); 18] = [
         (Settings { cell: 32, ..asked }, "sky"),
         (Settings { smoothing: Smoothing::Fine, ..asked }, "u"),
         (Settings { threshold: 1.05, ..asked }, "u0"),
@@ -215,6 +250,7 @@ fn every_setting_is_noticed() {
         (Settings { contrast: 0.9, ..asked }, "tree"),
         (Settings { excess: 50.0, ..asked }, "opened"),
         (Settings { reopened_area: 200, ..asked }, "opened"),
+        (Settings { knots: 4, ..asked }, "deblended"),
         (Settings { sharpening: 0.45, ..asked }, "sharpened"),
         (Settings { connectivity: Touching::Four, ..asked }, "tree"),
         (Settings { by_significance: false, ..asked }, "cut"),
@@ -226,7 +262,7 @@ fn every_setting_is_noticed() {
     ];
     let mut missed = Vec::new();
     for (other, step) in others {
-        let wrong = [&photons, &noisy].map(|pixels| differing(&config, &other, pixels, WIDTH)).concat();
+        let wrong = [&photons, &noisy, &clumpy].map(|pixels| differing(&config, &other, pixels, WIDTH)).concat();
         if !wrong.contains(&step) {
             missed.push(format!("{step}: {wrong:?}, {other:?}"));
         }

@@ -6,6 +6,7 @@ use skyfront_core::config::PARAMETERS;
 use skyfront_core::run::frame::Frame;
 use skyfront_core::simulate::{Kind, Sky};
 use skyfront_tests::command::{Folder, messages, skyfront};
+use skyfront_tests::noise::galaxy_with_knots;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -25,6 +26,10 @@ fn with_skies(name: &str) -> Folder {
         writer.image((side, side), &[], row).expect("the image can be written");
         writer.finish().expect("the file can be closed");
     }
+    let mut writer = Writer::create(Path::new(&folder.file(KNOTS))).expect("the file can be made");
+    let pixels = galaxy_with_knots(6, &[0.003; 3]);
+    writer.image((140, 140), &[], |y, out| out.copy_from_slice(&pixels[y * 140..][..140])).expect("it can be written");
+    writer.finish().expect("the file can be closed");
     let mut writer = Writer::create(Path::new(&folder.file("seed.fits"))).expect("the file can be made");
     let row = |y, out: &mut [f32]| out.iter_mut().enumerate().for_each(|(x, out)| *out = f32::from((x, y) == (30, 30)));
     writer.image((BRIGHT.3, BRIGHT.3), &[], row).expect("the map can be written");
@@ -37,6 +42,8 @@ type Case = (&'static str, &'static str, &'static str, [&'static str; 2]);
 
 const B: &str = BRIGHT.0;
 const S: &str = STARS.0;
+/// A galaxy with three knots.
+const KNOTS: &str = "knots.fits";
 /// Sources that only the allowance for noise decides about.
 const FAINT: &str = "threshold=0.3 min-peak=0 min-light=0 min-area=3";
 
@@ -152,6 +159,7 @@ const CASES: &[Case] = &[
     ("deblend-sharpening", S, "", ["0.5", "2"]),
     ("deblend-excess", S, "", ["5.5", "50"]),
     ("deblend-area", S, "", ["4", "40"]),
+    ("deblend-knots", KNOTS, "", ["3", "4"]),
     ("select", S, "threshold=0.3", ["significance", "area"]),
     ("false-sources", S, FAINT, ["0.001", "1000"]),
     ("false-share", S, FAINT, ["0", "0.5"]),

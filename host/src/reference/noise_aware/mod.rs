@@ -8,6 +8,7 @@ mod combine;
 mod compete;
 mod facts;
 mod judge;
+mod knots;
 mod light;
 mod outline;
 mod photon;
@@ -24,6 +25,7 @@ pub use combine::{Combination, combined};
 pub use compete::{Contest, Moments, compete, connect, moments, straighten};
 pub use facts::Facts;
 pub use judge::{Judge, Slack, nearest};
+pub use knots::joined;
 pub use outline::{BAND, FLAT, STEP, force, start, steepness, step};
 pub use photon::{grown, photon_noise};
 pub use reopen::{Scene, Typical};
@@ -70,6 +72,8 @@ pub struct Settings {
     pub excess: f64,
     /// `--deblend-area`.
     pub reopened_area: usize,
+    /// `--deblend-knots`.
+    pub knots: usize,
     /// `--deblend-sharpening`.
     pub sharpening: f64,
     /// Which pixels touch.
@@ -174,7 +178,7 @@ pub fn run(
             let mut regions = tree(&image, &inside, photon, settings, judge);
             opened(&image, &smooth, &mut regions, (tail.noise, photon), settings, judge);
             (0..2).for_each(|_| compete(&image, &mut regions));
-            settle(&mut regions, width);
+            settle(&image, &mut regions, settings, judge);
             regions
         } else {
             components(&inside, width, settings.connectivity)
@@ -204,9 +208,10 @@ pub fn opened(
 }
 
 /// What becomes of them once they have competed.
-pub fn settle(regions: &mut Regions, width: usize) {
-    (0..2).for_each(|_| regions.labels = straighten(&regions.labels, width));
-    regions.labels = connect(regions, width);
+pub fn settle(image: &Plane, regions: &mut Regions, settings: &Settings, judge: &Judge) {
+    (0..2).for_each(|_| regions.labels = straighten(&regions.labels, image.width()));
+    regions.labels = joined(image, regions, settings.knots, judge);
+    regions.labels = connect(regions, image.width());
 }
 
 /// Takes undefined pixels out of sources.

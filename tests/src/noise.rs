@@ -48,8 +48,8 @@ pub fn galaxy_with_knots(seed: u64, shares: &[f32]) -> Vec<f32> {
     const LIGHT: f32 = std::f32::consts::TAU * (1500.0 * 36.0 + 3000.0 * 4.0);
     const WIDTH: f32 = 1.2;
     for (number, share) in shares.iter().enumerate() {
-        let angle = std::f32::consts::TAU * number as f32 / shares.len() as f32 + 0.2;
-        let far = 18.0 + 1.5 * (number % 3) as f32;
+        // No two are opposite.
+        let (angle, far) = (2.4 * number as f32, 22.0 + 1.5 * (number % 3) as f32);
         let place = (cx + far * angle.cos(), cy + far * angle.sin());
         add_star(&mut pixels, SIDE, place, WIDTH, share * LIGHT / (std::f32::consts::TAU * WIDTH * WIDTH));
     }

@@ -270,7 +270,7 @@ table![
         .unit("knots")
         .range(Range::within(0.0, 1e9))
         .help(
-            "So many knots in the light of a galaxy, sharp and each with 0.1 to 0.5 percent of it, are no \
+            "So many knots in the light of a galaxy, sharp and each with 0.1 to 0.7 percent of it, are no \
              sources of their own; 0 keeps all.",
         ),
     choice("select", "SFSELECT", SELECTIONS, select, set_select).at(Step::Select, &[]).help("Which sources are kept."),

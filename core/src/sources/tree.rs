@@ -20,7 +20,7 @@ pub struct Region<L: Level> {
     pub peak: u32,
     /// Value there.
     pub value: L,
-    /// Number of pixels; while the centre is looked for, of those above half the peak.
+    /// Number of pixels; while the centre is looked for, of those above half the peak, and of a galaxy's knots at last.
     pub area: u32,
     /// Sum of its values.
     pub sum: L::Sum,
@@ -36,7 +36,7 @@ pub struct Region<L: Level> {
     pub plateau: f32,
     /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
     pub divided: u32,
-    /// The label it ends with.
+    /// The label it ends with; while knots are looked for, that of the brightest source that it touches.
     pub label: u32,
 }
 

@@ -63,7 +63,7 @@ pub fn joined(image: &Plane, regions: &Regions, least: usize, judge: &Judge) -> 
     let galaxy_of = |label: u32| {
         let galaxy = brightest[label as usize - 1].filter(|&galaxy| is_galaxy(light(galaxy)))?;
         let (own, whole) = (light(label), light(galaxy).sum);
-        let is_part = judge.exceeds(own.sum, 0.001 * whole) && judge.exceeds(0.005 * whole, own.sum);
+        let is_part = judge.exceeds(own.sum, 0.001 * whole) && judge.exceeds(0.007 * whole, own.sum);
         (is_part && judge.exceeds(25.0, own.extent)).then_some(galaxy)
     };
     let galaxies: Vec<Option<u32>> = (1..).take(lights.len()).map(galaxy_of).collect();

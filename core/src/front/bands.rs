@@ -245,4 +245,12 @@ mod tests {
             assert!(!bands.turn(), "the same means again");
         });
     }
+
+    #[test]
+    fn each_side_has_its_own_weight() {
+        let chan_vese = crate::config::ChanVese { mu: 0.0, lambda1: 3.0, lambda2: 0.5 };
+        let pull = |bands| Pull::<F32>::new(&Config { dt: 0.5, chan_vese, ..Config::CHAN_VESE }, bands);
+        // 0.25 * (0.5 * 0.4^2 - 3 * 0.2^2), and of two bands half of twice that.
+        assert!((pull(2).of(0.2, -0.4) + 0.01).abs() < 1e-7 && (pull(1).of(0.2, -0.4) + 0.02).abs() < 1e-7);
+    }
 }

@@ -175,4 +175,13 @@ mod tests {
         parts.merge(&changed(&rule, &old[1..], &new[1..]));
         assert_eq!((whole, whole.crossings), (parts, 2));
     }
+
+    #[test]
+    fn two_fronts_in_a_plane_change_as_one_does() {
+        let rule =
+            StopRule::<F32>::new(&Config { stop: Stop::Rate, scheme: crate::config::Scheme::Multiphase, ..PAPER }, 1.0);
+        let mut change = Change::none(&rule);
+        change.observe_pairs(&[pair::cell([0.5, -0.25])], &[pair::cell([0.25, 0.25])]);
+        assert!((rule.norm(&change) - 0.01 * 0.75).abs() < 1e-7 && change.crossings == 1, "{change:?}");
+    }
 }

@@ -126,6 +126,8 @@ mod tests {
     use super::*;
     use crate::arithmetic::F32;
 
+    const FAR: f32 = 1.701_411_8e38;
+
     #[test]
     fn extremes_are_those_of_all_defined_pixels() {
         let mut extremes = Extremes::NONE;
@@ -148,7 +150,6 @@ mod tests {
         row::<F32>(range, 0.5, &pixels, &mut image);
         assert_eq!(image, expected);
         assert_eq!([0.0, 0.25, 0.75, 1.0].map(|value| range.pixel(value)), [-2.0, 0.0, 4.0, 6.0]);
-        const FAR: f32 = 1.701_411_8e38;
         // From -2^127 to 2^127: the difference is no number.
         let widest = Range { low: -FAR, high: FAR };
         assert_eq!(

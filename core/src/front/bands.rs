@@ -253,4 +253,18 @@ mod tests {
         // 0.25 * (0.5 * 0.4^2 - 3 * 0.2^2), and of two bands half of twice that.
         assert!((pull(2).of(0.2, -0.4) + 0.01).abs() < 1e-7 && (pull(1).of(0.2, -0.4) + 0.02).abs() < 1e-7);
     }
+
+    #[test]
+    fn eight_bands_move_one_front_of_regions_in_wide_cells() {
+        use crate::arithmetic::Q11;
+        assert!(serve::<F32>(&Config::CHAN_VESE, MOST_BANDS).is_ok());
+        assert!(matches!(
+            serve::<F32>(&Config::CHAN_VESE, MOST_BANDS + 1),
+            Err(Error::Parameter { name: "bands", .. })
+        ));
+        assert!(matches!(serve::<Q11>(&Config::CHAN_VESE, 2), Err(Error::Arithmetic { .. })));
+        assert!(matches!(serve::<F32>(&Config::PAPER_F160, 2), Err(Error::Together { other: "scheme", .. })));
+        let sky = Config { sky: Config::NOISE_AWARE.sky, ..Config::CHAN_VESE };
+        assert!(matches!(serve::<F32>(&sky, 2), Err(Error::Together { other: "sky", .. })));
+    }
 }

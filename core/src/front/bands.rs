@@ -228,6 +228,15 @@ mod tests {
         });
     }
 
+    #[test]
+    fn levels_beyond_the_image_are_not_sound() {
+        filled(|bands| {
+            assert!(bands.is_sound());
+            bands.each[1].tau = 1.5;
+            assert!(!bands.is_sound());
+        });
+    }
+
     /// A front around both objects has means of 1/2 in each band; then each object is pulled inside
     /// by its own band more than it is pushed outside by the other.
     #[test]

@@ -320,20 +320,11 @@ mod tests {
 
     /// A border of so many 9s, 10s and then 12s around light.
     fn border(nines: usize, tens: usize) -> [u16; 64] {
-        let mut count = 0;
+        let mut counts =
+            core::iter::repeat_n(9, nines).chain(core::iter::repeat_n(10, tens)).chain(core::iter::repeat(12));
         core::array::from_fn(|at| {
-            if [0, 7].contains(&(at % 8)) || [0, 7].contains(&(at / 8)) {
-                count += 1;
-                if count <= nines {
-                    9
-                } else if count <= nines + tens {
-                    10
-                } else {
-                    12
-                }
-            } else {
-                500
-            }
+            let at_border = [0, 7].contains(&(at % 8)) || [0, 7].contains(&(at / 8));
+            if at_border { counts.next().unwrap_or(0) } else { 500 }
         })
     }
 

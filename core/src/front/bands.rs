@@ -228,6 +228,15 @@ mod tests {
         });
     }
 
+    #[test]
+    fn levels_beyond_the_image_are_not_sound() {
+        filled(|bands| {
+            assert!(bands.is_sound());
+            bands.each[1].tau = 1.5;
+            assert!(!bands.is_sound());
+        });
+    }
+
     /// A front around both objects has means of 1/2 in each band; then each object is pulled inside
     /// by its own band more than it is pushed outside by the other.
     #[test]
@@ -244,5 +253,27 @@ mod tests {
             bands.add_rows(&front, SIDE, 0..SIDE);
             assert!(!bands.turn(), "the same means again");
         });
+    }
+
+    #[test]
+    fn each_side_has_its_own_weight() {
+        let chan_vese = crate::config::ChanVese { mu: 0.0, lambda1: 3.0, lambda2: 0.5 };
+        let pull = |bands| Pull::<F32>::new(&Config { dt: 0.5, chan_vese, ..Config::CHAN_VESE }, bands);
+        // 0.25 * (0.5 * 0.4^2 - 3 * 0.2^2), and of two bands half of twice that.
+        assert!((pull(2).of(0.2, -0.4) + 0.01).abs() < 1e-7 && (pull(1).of(0.2, -0.4) + 0.02).abs() < 1e-7);
+    }
+
+    #[test]
+    fn eight_bands_move_one_front_of_regions_in_wide_cells() {
+        use crate::arithmetic::Q11;
+        assert!(serve::<F32>(&Config::CHAN_VESE, MOST_BANDS).is_ok());
+        assert!(matches!(
+            serve::<F32>(&Config::CHAN_VESE, MOST_BANDS + 1),
+            Err(Error::Parameter { name: "bands", .. })
+        ));
+        assert!(matches!(serve::<Q11>(&Config::CHAN_VESE, 2), Err(Error::Arithmetic { .. })));
+        assert!(matches!(serve::<F32>(&Config::PAPER_F160, 2), Err(Error::Together { other: "scheme", .. })));
+        let sky = Config { sky: Config::NOISE_AWARE.sky, ..Config::CHAN_VESE };
+        assert!(matches!(serve::<F32>(&sky, 2), Err(Error::Together { other: "sky", .. })));
     }
 }

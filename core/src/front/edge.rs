@@ -113,3 +113,48 @@ impl<A: Arithmetic> Kernel<A, 3> for EdgeDetector<A> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    /// Three pixels in a row, of which the middle one differs by 0.3 along the row and by 0.4 across it.
+    const ROWS: [[f32; 5]; 3] = [[0.1, 0.1, 0.2, 0.4, 0.4], [0.1, 0.1, 0.3, 0.4, 0.4], [0.1, 0.1, 0.6, 0.4, 0.4]];
+
+    fn speed(edge: Edge, dx: f32, range: GradientRange<F32>) -> f32 {
+        let [below, row, above] = &ROWS;
+        let mut new = [0.0; 3];
+        let config = Config { edge, dx, ..Config::PAPER_F160 };
+        EdgeDetector::<F32>::new(&config, &range).row(&[below, row, above], &[], &mut new);
+        new[1]
+    }
+
+    #[test]
+    fn gradients_are_ranged() {
+        let mut range = GradientRange::<F32>::none();
+        let [below, row, above] = &ROWS;
+        range.row(&[below, row, above], &[], &mut []);
+        assert!((range.least - 0.1).abs() < 1e-6 && (range.greatest - 0.5).abs() < 1e-6, "{range:?}");
+    }
+
+    #[test]
+    fn detectors_are_the_papers() {
+        let range = GradientRange { least: 0.2, greatest: 1.0 };
+        // The gradient is 0.5 / (2 dx); of g2 it is 3/8 of the way from the least to the greatest.
+        let cases = [
+            (Edge::G1 { p: 2.0 }, 0.1, 1.0 / 7.25),
+            (Edge::G1 { p: 2.0 }, 0.5, 0.8),
+            (Edge::G1 { p: 3.0 }, 0.1, 1.0 / 16.625),
+            (Edge::G1 { p: 4000.0 }, 0.1, 0.0),
+            (Edge::G1 { p: 4000.0 }, 0.5, 1.0),
+            (Edge::G2, 0.1, 0.625),
+            (Edge::G2Mod { c2: 0.5 }, 0.1, 0.25),
+            (Edge::G2Mod { c2: 0.8 }, 0.1, 0.0),
+        ];
+        for (edge, dx, expected) in cases {
+            let found = speed(edge, dx, range);
+            assert!((found - expected).abs() < 1e-6, "{edge:?}: {found}, not {expected}");
+        }
+    }
+}

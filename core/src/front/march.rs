@@ -506,4 +506,51 @@ mod tests {
             assert!(time >= exact - 1e-3 && time <= exact + 2.0 * SLACK, "{x} {y}: {time}, {exact}");
         }
     }
+
+    #[test]
+    fn a_time_comes_from_both_axes_where_they_are_near() {
+        let cases = [
+            (3.0, 3.0, 1.0, 3.0 + core::f32::consts::FRAC_1_SQRT_2),
+            (0.6, 0.0, 1.0, 0.940_312_4),
+            (0.0, 1.0, 1.0, 1.0),
+            (2.0, 0.0, 1.5, 1.5),
+        ];
+        for (h, v, delay, time) in cases {
+            assert!((arrival::<F32>(h, v, delay) - time).abs() < 1e-6, "{h} {v} {delay}: {time}");
+        }
+    }
+
+    #[test]
+    fn time_is_up_for_a_front_that_moves_and_not_for_one_that_creeps() {
+        let marched = |speed: f32, t_max: f32| {
+            let (mut front, speed) = ([1.0f32; SIDE * SIDE], [speed; SIDE * SIDE]);
+            front[SIDE * SIDE / 2] = 0.0;
+            let mut march = March::new(t_max);
+            front.chunks_exact_mut(SIDE).for_each(March::seed_row::<F32>);
+            (0..SIDE).for_each(|y| march.sow_row::<F32>(&mut front, &speed, SIDE, y));
+            while march.advance::<F32>(&mut front, &speed, SIDE, SIDE) {}
+            march
+        };
+        let cut = |speed, t_max| marched(speed, t_max).is_cut();
+        assert!(cut(1.0, 5.0) && cut(0.125, 5.0) && !cut(0.05, 5.0) && !cut(1.0, 50.0));
+        // To the corners, and what a first order adds.
+        assert!((28.28..29.5).contains(&marched(1.0, 50.0).latest()), "{}", marched(1.0, 50.0).latest());
+    }
+
+    #[test]
+    fn what_points_beyond_the_frame_is_not_sound() {
+        let march = March::new(30.0);
+        let sound = [march, March { next: 8, ..march }, March { bucket: march.last_bucket, ..march }];
+        assert!(sound.iter().all(|march| march.is_sound(30.0, 9)) && !march.is_sound(60.0, 9));
+        let mut heads = march.heads;
+        heads[3] = 9;
+        let (bucket, latest) = (march.last_bucket + 1, f32::INFINITY);
+        let broken = [
+            March { heads, ..march },
+            March { next: 9, ..march },
+            March { bucket, ..march },
+            March { latest, ..march },
+        ];
+        assert!(broken.iter().all(|march| !march.is_sound(30.0, 9)));
+    }
 }

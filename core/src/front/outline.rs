@@ -365,6 +365,20 @@ mod tests {
         }
     }
 
+    /// D = (0.3, 0.4), u_xx = 0.2, u_yy = -0.2, u_xy = 0.1.
+    #[test]
+    fn a_value_changes_by_its_force_and_by_its_curvature() {
+        let around = [[0.1, -0.5, 0.3], [-0.2, 0.0, 0.4], [0.2, 0.3, 0.8]];
+        // 0.2 * 0.64 - 2 * 0.48 * 0.1 - 0.2 * 0.36; outwards it rises by 0.4 and 0.3, and inwards it falls by 0.2 and 0.5.
+        for (force, expected) in [(0.5, 0.25 - 0.25 * 0.04), (-0.5, -0.5 * 0.538_516_5 - 0.25 * 0.04)] {
+            let found = front::<f32>(0.25, 1).change(around, force);
+            assert!((found - expected).abs() < 1e-3 * expected.abs(), "{found}, not {expected}");
+        }
+        // Without a direction by the mean of the neighbours less itself.
+        let top = front::<f32>(0.25, 1).change([[9.0, 0.8, 9.0], [0.9, 1.0, 0.9], [9.0, 0.8, 9.0]], 0.0);
+        assert!((top + 0.25 * 0.15).abs() < 1e-6, "{top}");
+    }
+
     #[test]
     fn without_steps_the_outline_is_the_threshold() {
         let start = plane::<f32>(disc(10.0));

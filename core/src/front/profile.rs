@@ -99,3 +99,54 @@ fn off_centre(x: u32, n: u32) -> f32 {
     // Signed: vector units turn only such numbers into f32.
     offset as i32 as f32 / n.saturating_sub(4).max(1) as i32 as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    /// In 12 columns and 8 rows: half of the rectangle measures 4 and 2 pixels.
+    fn profile(scheme: Scheme, band: Option<f32>) -> Profile {
+        Profile::new(&Config { band, ..Config::PAPER_F160.with_scheme(scheme) }, 12, 8)
+    }
+
+    fn row(profile: &Profile, y: usize) -> [f32; 12] {
+        let mut row = [9.0; 12];
+        profile.row::<F32>(y, &mut row);
+        row
+    }
+
+    #[test]
+    fn it_falls_from_the_middle_to_two_pixels_inside_the_frame() {
+        let paper = profile(Scheme::Fd, None);
+        let half = [-0.375, -0.125, 0.125, 0.375, 0.625, 0.75];
+        assert_eq!(row(&paper, 3)[..6], half);
+        half.iter().zip(row(&paper, 4).iter().rev()).for_each(|(value, mirrored)| assert_eq!(value, mirrored));
+        assert_eq!(row(&paper, 0), [-0.75; 12]);
+        assert_eq!((paper.unit, paper.pixel), (1.0, 0.5));
+    }
+
+    #[test]
+    fn with_a_band_it_is_the_distance_to_the_rectangle() {
+        let banded = profile(Scheme::Fd, Some(1.25));
+        assert_eq!(row(&banded, 3)[..6], [-1.5, -0.5, 0.5, 1.25, 1.25, 1.25]);
+        assert_eq!(row(&banded, 1)[..6], [-1.5, -0.5, -0.5, -0.5, -0.5, -0.5]);
+        assert_eq!((banded.unit, banded.pixel), (2.0, 1.0));
+        assert_eq!(row(&profile(Scheme::ChanVese, None), 3)[..6], [-1.0, -0.5, 0.5, 1.0, 1.0, 1.0]);
+        assert_eq!(row(&profile(Scheme::FastMarching, None), 3)[..6], [-1.5, -0.5, 0.5, 1.5, 1.5, 1.5]);
+    }
+
+    #[test]
+    fn near_objects_it_is_the_distance_to_them() {
+        for (band, expected) in [(None, [1.5, 1.0, -0.5, -0.75]), (Some(2.5), [2.5, 2.0, -1.0, -1.5])] {
+            let mut row = [0.0, 1.0, 4.0, 9.0];
+            profile(Scheme::Fd, band).outside_row::<F32>(3.0, &mut row);
+            assert_eq!(row, expected);
+        }
+        let mut around = [0.0, 9.0];
+        profile(Scheme::Fd, Some(2.5)).around_row(4.0, &mut around);
+        assert_eq!(around, [4.0, -5.0]);
+        turn_row::<F32>(&mut around);
+        assert_eq!(around, [-4.0, 5.0]);
+    }
+}

@@ -127,3 +127,61 @@ impl<A: Arithmetic> StopRule<A> {
         change.sum as f32 * self.scale
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    const PAPER: Config =
+        Config { dx: 0.1, dt: 0.02, eps: 1e-3, eps_front: 0.5, stop: Stop::Paper, ..Config::PAPER_F160 };
+
+    fn changed(rule: &StopRule<F32>, old: &[f32], new: &[f32]) -> Change<F32> {
+        let mut change = Change::none(rule);
+        change.observe(old, new);
+        change
+    }
+
+    #[test]
+    fn the_norm_is_that_near_the_front_times_the_area_of_a_pixel() {
+        for unit in [1.0, 10.0] {
+            let rule = StopRule::<F32>::new(&PAPER, unit);
+            // The last two lie farther from the front than 0.5.
+            let old = [0.5, -0.4, 0.1, 0.6, -0.6].map(|v: f32| v * unit);
+            let new = [0.49, -0.4, 0.06, 0.59, -0.59].map(|v: f32| v * unit);
+            let norm = rule.norm(&changed(&rule, &old, &new));
+            assert!((norm - 0.01 * 0.05).abs() < 1e-7, "{norm}");
+        }
+    }
+
+    #[test]
+    fn a_front_rests_from_eps_on() {
+        let rule = StopRule::<F32>::new(&PAPER, 1.0);
+        // A sum of 0.1 is a norm of 0.001.
+        assert!(rule.at_rest(&changed(&rule, &[0.2], &[0.1001])) && !rule.at_rest(&changed(&rule, &[0.2], &[0.0999])));
+        assert!(rule.at_rest(&changed(&rule, &[0.05], &[-0.04])), "crossings do not count");
+        let per_time = StopRule::<F32>::new(&Config { stop: Stop::Rate, ..PAPER }, 1.0);
+        let rests = |old: f32, new: f32| per_time.at_rest(&changed(&per_time, &[old], &[new]));
+        assert!(rests(0.2, 0.1981) && !rests(0.2, 0.1979));
+        assert!(rests(-0.001, 0.0) && !rests(0.0, 0.001) && !rests(0.001, 0.0) && rests(0.6, -0.6));
+    }
+
+    #[test]
+    fn parts_of_a_step_add_up() {
+        let rule = StopRule::<F32>::new(&Config { stop: Stop::Rate, ..PAPER }, 1.0);
+        let (old, new) = ([0.5, -0.25, 0.125, 0.25], [0.25, 0.25, -0.125, 0.25]);
+        let whole = changed(&rule, &old, &new);
+        let mut parts = changed(&rule, &old[..1], &new[..1]);
+        parts.merge(&changed(&rule, &old[1..], &new[1..]));
+        assert_eq!((whole, whole.crossings), (parts, 2));
+    }
+
+    #[test]
+    fn two_fronts_in_a_plane_change_as_one_does() {
+        let rule =
+            StopRule::<F32>::new(&Config { stop: Stop::Rate, scheme: crate::config::Scheme::Multiphase, ..PAPER }, 1.0);
+        let mut change = Change::none(&rule);
+        change.observe_pairs(&[pair::cell([0.5, -0.25])], &[pair::cell([0.25, 0.25])]);
+        assert!((rule.norm(&change) - 0.01 * 0.75).abs() < 1e-7 && change.crossings == 1, "{change:?}");
+    }
+}

@@ -185,3 +185,34 @@ impl<A: Arithmetic> Kernel<A, 3> for PeronaMalik<A> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    /// A pixel of 0.5, after one pass of a kernel, whose neighbours are lower by 0.4, 0.2 and 0.1 and higher by 0.2.
+    fn filtered(mut kernel: impl Kernel<F32, 3>) -> f32 {
+        let [below, row, above] = [[9.0, 0.4, 9.0], [0.1, 0.5, 0.3], [9.0, 0.7, 9.0]];
+        let mut new = [0.5];
+        kernel.row(&[&below, &row, &above], &[], &mut new);
+        new[0]
+    }
+
+    #[test]
+    fn filters_move_a_pixel_as_their_equations_say() {
+        // lambda = dt / dx^2 = 0.2, and differences count in fifths.
+        let config = Config { filter_dt: 2e-3, dx: 0.1, ..Config::PAPER_F160 };
+        let perona_malik = |diffusivity| filtered(PeronaMalik::<F32>::new(&config, diffusivity, 2.0));
+        let expected = [
+            (filtered(Heat::<F32>::new(&config)), 0.5 - 0.2 * 0.5),
+            // 0.4 / 5 + 0.2 / 2 + 0.1 / 1.25 - 0.2 / 2.
+            (perona_malik(Diffusivity::F1), 0.5 - 0.2 * 0.16),
+            // 0.4 exp(-4) + 0.2 exp(-1) + 0.1 exp(-1/4) - 0.2 exp(-1).
+            (perona_malik(Diffusivity::F2), 0.5 - 0.2 * 0.085_206_3),
+        ];
+        for (found, expected) in expected {
+            assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+        }
+    }
+}

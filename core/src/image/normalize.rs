@@ -120,3 +120,50 @@ impl<A: Arithmetic> Task for Row<'_, A> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    const FAR: f32 = 1.701_411_8e38;
+
+    #[test]
+    fn extremes_are_those_of_all_defined_pixels() {
+        let mut extremes = Extremes::NONE;
+        extremes.observe(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
+        assert_eq!(extremes, Extremes::NONE);
+        extremes.observe(&[-0.0, -3.5, f32::NAN]);
+        assert_eq!(extremes, Extremes { least: -3.5, greatest: 0.0, defined: 2 });
+        extremes.observe(&[-2.0, 7.25, 1e-40, -1e-40]);
+        extremes.observe(&[-1.0]);
+        assert_eq!(extremes, Extremes { least: -3.5, greatest: 7.25, defined: 7 });
+    }
+
+    #[test]
+    fn a_range_is_a_line_that_is_cut_off() {
+        let range = Range { low: -2.0, high: 6.0 };
+        let pixels = [-3.0, -2.0, 0.0, 4.0, 6.0, 9.0, f32::NAN, f32::INFINITY];
+        let expected = [0.0, 0.0, 0.25, 0.75, 1.0, 1.0, 0.5, 0.5];
+        assert_eq!(pixels.map(|pixel| range.apply(pixel, 0.5)), expected);
+        let mut image = [9.0f32; 8];
+        row::<F32>(range, 0.5, &pixels, &mut image);
+        assert_eq!(image, expected);
+        assert_eq!([0.0, 0.25, 0.75, 1.0].map(|value| range.pixel(value)), [-2.0, 0.0, 4.0, 6.0]);
+        // From -2^127 to 2^127: the difference is no number.
+        let widest = Range { low: -FAR, high: FAR };
+        assert_eq!(
+            [-FAR, -0.5 * FAR, 0.0, 0.5 * FAR, FAR].map(|pixel| widest.apply(pixel, 9.0)),
+            [0.0, 0.25, 0.5, 0.75, 1.0]
+        );
+    }
+
+    #[test]
+    fn without_noise_a_range_around_the_sky_is_that_of_the_extremes() {
+        let (mut sky, extremes) = (Estimate::NONE, Range { low: 1.0, high: 2.0 });
+        sky.level = 10.0;
+        assert_eq!(Range::around(&sky, 3.0, 30.0, extremes), extremes);
+        sky.noise = 2.0;
+        assert_eq!(Range::around(&sky, 3.0, 30.0, extremes), Range { low: 4.0, high: 70.0 });
+    }
+}

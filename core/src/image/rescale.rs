@@ -170,4 +170,53 @@ mod tests {
         // x^8 leaves nothing of the faintest levels even in q24.
         assert!(levels::<Q24>(r3) < 32_769);
     }
+
+    #[test]
+    fn values_are_the_papers() {
+        let r3 = Rescale::R3 { beta: 8, tau: Tau::Otsu };
+        let cases = [
+            (Rescale::R1 { alpha: 0.5 }, 0.25, 0.5),
+            (Rescale::R1 { alpha: 0.25 }, 1.0 / 256.0, 0.25),
+            (Rescale::R1 { alpha: 0.3 }, 0.5, 0.812_252_4),
+            // log2(1.5) and its root.
+            (Rescale::R2 { alpha: 1.0 }, 0.5, 0.584_962_5),
+            (Rescale::R2 { alpha: 0.5 }, 0.5, 0.764_828_4),
+            // Half of tau, and a 256th of the way from tau to 1.
+            (r3, 0.15, 0.3 / 256.0),
+            (r3, 0.3 + 0.7 / 256.0, 0.3 + 0.7 * 0.5),
+            (Rescale::R3 { beta: 3, tau: Tau::Otsu }, 0.15, 0.3 / 8.0),
+            (Rescale::R3 { beta: 3, tau: Tau::Otsu }, 0.3 + 0.7 / 8.0, 0.3 + 0.7 * 0.5),
+        ];
+        for (which, x, expected) in cases {
+            let rescaler = Rescaler::<F32>::new(which, 0.3).expect("a rescaling");
+            let mut row = [x; PIECE + 1];
+            rescaler.row(&mut row);
+            for found in [rescaler.apply(x), row[0], row[PIECE]] {
+                assert!((found - expected).abs() < 2e-6, "{which:?} of {x}: {found}, not {expected}");
+            }
+        }
+    }
+
+    /// Pixels below tau and above it in one piece of a row.
+    #[test]
+    fn a_row_is_rescaled_pixel_by_pixel() {
+        let rescaler = Rescaler::<F32>::new(Rescale::R3 { beta: 8, tau: Tau::Otsu }, 0.3).expect("a rescaling");
+        let mut row: [f32; 3 * PIECE] =
+            core::array::from_fn(|at| if at > PIECE { at as f32 / 96.0 } else { 0.002 * at as f32 });
+        let expected = row.map(|x| rescaler.apply(x));
+        rescaler.row(&mut row);
+        assert_eq!(row, expected);
+    }
+
+    #[test]
+    fn a_threshold_of_noise_lies_just_below_and_within_the_image() {
+        let threshold = |level: f32, noise: f32, k: f32| {
+            let mut sky = Estimate::NONE;
+            (sky.level, sky.noise) = (level, noise);
+            noise_threshold(&sky, k)
+        };
+        let part = threshold(0.25, 0.125, 2.0) / 0.5;
+        assert!(part < 1.0 && part > 1.0 - 1.0 / 200_000.0, "{part}");
+        assert_eq!((threshold(0.9, 0.1, 2.0), threshold(-0.5, 0.1, 2.0)), (1.0, 0.0));
+    }
 }

@@ -48,3 +48,30 @@ impl Camera {
         dark * dark + if light > 0.0 { light / self.gain } else { 0.0 } + 1.0 / 12.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAMERA: Camera = Camera { black: 100.0, gain: 2.0, read_noise: 4.0, saturation: 4000.5, psf_sigma: 1.0 };
+
+    #[test]
+    fn the_variance_is_that_of_reading_photons_and_rounding() {
+        let rounding = 1.0 / 12.0;
+        assert_eq!(
+            [100.0, 90.0, 150.0].map(|sky| CAMERA.variance(sky)),
+            [4.0 + rounding, 4.0 + rounding, 29.0 + rounding]
+        );
+        assert_eq!(CAMERA.full(), 4001);
+    }
+
+    #[test]
+    fn bounds_belong_to_what_is_allowed() {
+        let valid = |camera: Camera| camera.validate().is_ok();
+        assert!(
+            valid(CAMERA) && valid(Camera { psf_sigma: 0.5, ..CAMERA }) && valid(Camera { psf_sigma: 3.0, ..CAMERA })
+        );
+        assert!(!valid(Camera { psf_sigma: 0.49, ..CAMERA }) && !valid(Camera { psf_sigma: 3.01, ..CAMERA }));
+        assert!(!valid(Camera { gain: 0.0, ..CAMERA }) && !valid(Camera { black: f32::NAN, ..CAMERA }));
+    }
+}

@@ -83,4 +83,19 @@ mod tests {
         let many = bins.map(|n| n << 26);
         assert_eq!([bins, many].map(|bins| Histogram(bins).kapur()), [40.0 / 256.0; 2]);
     }
+
+    #[test]
+    fn both_classes_are_as_even_as_they_can_be() {
+        let threshold = |bins: &[(usize, u32)]| {
+            let mut histogram = Histogram::EMPTY;
+            bins.iter().for_each(|&(bin, count)| histogram.0[bin] = count);
+            histogram.kapur() * BINS as f32
+        };
+        // Two and two: twice ln 2 and not ln 3.
+        assert_eq!(threshold(&[(10, 9), (20, 9), (30, 9), (40, 9)]), 21.0);
+        // One of three against two equal ones: ln 2, and 0.35 for the others.
+        assert_eq!(threshold(&[(10, 8), (20, 1), (30, 1)]), 11.0);
+        assert_eq!(threshold(&[(10, 1), (20, 1), (30, 8)]), 21.0);
+        assert_eq!((threshold(&[(10, 8)]), threshold(&[])), (0.0, 0.0));
+    }
 }

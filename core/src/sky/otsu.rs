@@ -73,3 +73,42 @@ impl Histogram {
         tau
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted(bins: &[(usize, u32)]) -> Histogram {
+        let mut histogram = Histogram::EMPTY;
+        bins.iter().for_each(|&(bin, count)| histogram.0[bin] = count);
+        histogram
+    }
+
+    #[test]
+    fn the_variance_between_the_classes_decides() {
+        // Behind bin 10 it is 6 * 4 * 100^2, behind bin 20 it is 8 * 2 * 187.5^2.
+        assert_eq!(counted(&[(10, 6), (20, 2), (200, 2)]).otsu(), 21.0 / 256.0);
+        // Behind bin 10 it is 4 * 6 * 160^2, behind bin 150 it is 6 * 4 * 123.3^2.
+        assert_eq!(counted(&[(10, 4), (150, 2), (180, 4)]).otsu(), 11.0 / 256.0);
+        // The same behind both, and behind all bins between.
+        assert_eq!(counted(&[(10, 1), (20, 1), (30, 1)]).otsu(), 11.0 / 256.0);
+        assert_eq!((counted(&[(77, 5)]).otsu(), Histogram::EMPTY.otsu()), (0.0, 0.0));
+    }
+
+    #[test]
+    fn values_count_in_their_bins() {
+        let mut histogram = Histogram::EMPTY;
+        [-1.0, 0.0, 0.5, 0.499, 1.0, 7.0].into_iter().for_each(|value| histogram.add(value));
+        assert_eq!(histogram, counted(&[(0, 2), (127, 1), (128, 1), (255, 2)]));
+        histogram.clear();
+        assert_eq!(histogram, Histogram::EMPTY);
+    }
+
+    #[test]
+    fn each_rule_has_its_own_threshold() {
+        let histogram = counted(&[(10, 60), (20, 20), (21, 9), (60, 1), (200, 2)]);
+        let own = [Tau::Kapur, Tau::Rosin, Tau::Otsu].map(|rule| histogram.threshold(rule));
+        assert_eq!(own, [histogram.kapur(), histogram.rosin(), histogram.otsu()]);
+        assert!(own[0] != own[1] && own[1] != own[2] && own[0] != own[2], "{own:?}");
+    }
+}

@@ -33,3 +33,23 @@ impl Histogram {
         (corner + 1) as f32 / BINS as f32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_corner_is_farthest_below_the_line() {
+        let corner = |bins: &[(usize, u32)]| {
+            let mut histogram = Histogram::EMPTY;
+            bins.iter().for_each(|&(bin, count)| histogram.0[bin] = count);
+            histogram.rosin() * BINS as f32
+        };
+        // Times the length of the line: 1000 - 440, 900 - 110, 800 - 11, and from then on less.
+        assert_eq!(corner(&[(10, 100), (11, 40), (12, 10), (13, 1), (20, 1)]), 13.0);
+        // The last bin is no peak, and of equal ones the first is.
+        assert_eq!(corner(&[(10, 100), (255, 1000)]), 12.0);
+        assert_eq!(corner(&[(10, 50), (12, 50), (30, 1)]), 12.0);
+        assert_eq!((corner(&[(10, 5), (11, 1)]), corner(&[(10, 5)]), corner(&[])), (12.0, 0.0, 0.0));
+    }
+}

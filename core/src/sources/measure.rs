@@ -285,6 +285,19 @@ mod tests {
         assert_eq!(sums.flux(None), Flux { value: 5.0, error: libm::sqrt(0.75) });
     }
 
+    /// Light of 4, 2 and 2 with variances of 2.25, 1.25 and 1.25, none of it on the others' rows and columns alike.
+    #[test]
+    fn both_axes_count_and_how_they_go_together() {
+        let mut sums = Sums::default();
+        for (place, value) in [((10, 7), 6.0), ((11, 7), 4.0), ((12, 8), 4.0)] {
+            let pixel = Pixel { value, background: 2.0, noise: 0.5, is_saturated: false };
+            sums.add(place, Around::default(), Some(pixel), Some(2.0));
+        }
+        assert_eq!((sums.rows, sums.flags()), ((7, 8), 0));
+        let errors = (3.296_875 / 64.0, 0.921_875 / 64.0, 1.515_625 / 64.0);
+        assert_eq!(sums.centroid(), Centroid { x: 10.75, y: 7.25, moments: (0.6875, 0.1875, 0.3125), errors });
+    }
+
     #[test]
     fn light_adds_its_own_noise_where_the_gain_is_known() {
         let (dark, bright) = (bar(None), bar(Some(2.0)));

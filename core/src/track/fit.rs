@@ -310,3 +310,77 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
         flags
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+    use crate::plane::raster::Raster;
+    use crate::track::Window;
+
+    const SIDE: usize = 21;
+
+    #[test]
+    fn a_profile_is_the_integral_over_each_pixel() {
+        for sigma in [0.7, 1.2, 3.0f32] {
+            let width = f64::from(sigma);
+            let profile = Psf::<F32>::of(sigma).profile(3.3, (1, 7));
+            assert_eq!((profile.first, profile.pixels), (1, 7));
+            let scale = width * (core::f64::consts::PI / 2.0).sqrt();
+            let normal = |x: f64| libm::erf(x / (width * core::f64::consts::SQRT_2));
+            let bell = |x: f64| libm::exp(-0.5 * x * x / (width * width));
+            for (at, (light, growth)) in profile.light.iter().zip(profile.growth).take(7).enumerate() {
+                let (low, high) = (at as f64 + 0.5 - 3.3, at as f64 + 1.5 - 3.3);
+                let exact = scale * (normal(high) - normal(low));
+                assert!((f64::from(*light) - exact).abs() < 2e-4, "{sigma}, pixel {at}: {light}, not {exact}");
+                assert!((f64::from(growth) - (bell(low) - bell(high))).abs() < 1e-6, "{sigma}, pixel {at}: {growth}");
+            }
+        }
+    }
+
+    #[test]
+    fn spans_reach_as_far_on_both_sides_and_not_beyond_the_view() {
+        assert_eq!([span(8.4, 3, 20), span(8.6, 3, 20)], [(5, 11), (6, 12)]);
+        assert_eq!([span(1.0, 3, 20), span(18.0, 3, 20), span(-0.4, 3, 20)], [(0, 4), (15, 19), (0, 3)]);
+    }
+
+    fn camera(gain: f32) -> Camera {
+        Camera { black: 0.0, gain, read_noise: 0.0, saturation: 65_000.0, psf_sigma: 2.0 }
+    }
+
+    /// A star without noise on a sky of 10000 counts.
+    fn star(camera: &Camera, amplitude: f32, (x, y): (f32, f32)) -> Star {
+        let bell = |d: f32| libm::expf(-0.5 * d * d / 4.0);
+        let pixels: [u16; SIDE * SIDE] = core::array::from_fn(|at| {
+            let light = amplitude * bell((at % SIDE) as f32 - x) * bell((at / SIDE) as f32 - y);
+            libm::roundf(10_000.0 + light) as u16
+        });
+        let frame = Raster::new(&pixels, SIDE, SIDE, SIDE).expect("a frame");
+        let window = Window { x: 10.0, y: 10.0, width: SIDE as u16, height: SIDE as u16 };
+        let mut view = View::new(&frame, &window, camera, &[]).expect("a view");
+        Fit::<F32, u16>::of(&mut view, camera).and_then(Fit::star).expect("a star")
+    }
+
+    /// Pixels that sample a wide star tell what integrals over it do: information of `pi sigma^2` on the amplitude and
+    /// of `pi / 2` on the shift, over the variance of a pixel.
+    #[test]
+    fn a_star_is_found_with_the_errors_that_its_light_allows() {
+        for (gain, amplitude) in [(1.0, 1000.0), (4.0, 500.0)] {
+            let camera = camera(gain);
+            let found = star(&camera, amplitude, (10.3, 9.6));
+            assert!((found.x - 10.3).abs() < 5e-3 && (found.y - 9.6).abs() < 5e-3 && found.flags == 0, "{found:?}");
+            let flux = core::f32::consts::TAU * 4.0 * amplitude;
+            assert!((found.flux / flux - 1.0).abs() < 0.02, "{found:?}: {flux}");
+            let deviation = libm::sqrtf(10_000.0 / gain);
+            // The sky, which is not known, takes an eighth of it.
+            let snr = 0.875 * amplitude / deviation * libm::sqrtf(core::f32::consts::PI * 4.0);
+            assert!((found.snr / snr - 1.0).abs() < 0.1, "{found:?}: {snr}");
+            let error = deviation * deviation * core::f32::consts::FRAC_2_PI / (amplitude * amplitude);
+            assert!(
+                (found.errx2 / error - 1.0).abs() < 0.15 && (found.erry2 / error - 1.0).abs() < 0.15,
+                "{error}: {found:?}"
+            );
+            assert!(found.errxy.abs() < 0.02 * error, "{found:?}");
+        }
+    }
+}

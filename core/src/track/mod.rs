@@ -109,3 +109,66 @@ fn one<A: Arithmetic, P: Pixel>(frame: &Raster<'_, P>, window: &Window, camera: 
     let fitted = Fit::<A, P>::of(&mut view, camera).and_then(Fit::star);
     fitted.map_or(Star::lost(window, flags), |star| Star { flags: star.flags | flags, ..star })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    const SIDE: usize = 40;
+    const CAMERA: Camera = Camera { black: 0.0, gain: 1.0, read_noise: 5.0, saturation: 4000.0, psf_sigma: 1.5 };
+
+    /// What a window sees of a star of so many counts at (20.3, 19.6) on a sky of 100, and of one 12 columns before it.
+    fn found(light: f32, x: f32, change: impl FnOnce(&mut [u16; SIDE * SIDE])) -> Star {
+        let bell = |x: f32, y: f32| libm::expf(-(x * x + y * y) / 4.5);
+        let mut pixels = core::array::from_fn(|at| {
+            let (column, row) = ((at % SIDE) as f32, (at / SIDE) as f32 - 19.6);
+            libm::roundf(100.0 + light * bell(column - 20.3, row) + 900.0 * bell(column - 8.3, row)) as u16
+        });
+        change(&mut pixels);
+        let frame = Raster::new(&pixels, SIDE, SIDE, SIDE).expect("a frame");
+        let mut star = [Star::EMPTY];
+        let window = Window { x, y: 20.0, width: 16, height: 16 };
+        track::<F32, _>(&frame, &[window], &CAMERA, &[BadPixel { x: 24, y: 21 }], &mut star).expect("a star");
+        star[0]
+    }
+
+    #[test]
+    fn every_flag_is_a_bit_of_its_own() {
+        assert_eq!([EDGE, SATURATED, HOT, BLENDED, LOST], [1, 2, 4, 8, 16]);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_star_is_told() {
+        let good = |star: &Star| (star.x - 20.3).abs() < 0.02 && (star.y - 19.6).abs() < 0.02;
+        let near = found(900.0, 20.0, |_| {});
+        assert!(good(&near) && near.flags == HOT, "its bad pixel: {near:?}");
+        let saturated = found(4200.0, 20.0, |_| {});
+        assert!(good(&saturated) && saturated.flags == SATURATED | HOT, "{saturated:?}");
+        let beside = found(900.0, 20.0, |pixels| {
+            for at in [17 * SIDE + 17, 17 * SIDE + 18, 18 * SIDE + 17] {
+                pixels[at] = 900;
+            }
+        });
+        assert_eq!(beside.flags, BLENDED | HOT, "{beside:?}");
+        let cut = found(900.0, 5.0, |_| {});
+        assert!((cut.x - 8.3).abs() < 0.02 && cut.flags == EDGE, "{cut:?}");
+        let lost = found(900.0, 31.0, |pixels| pixels.iter_mut().for_each(|pixel| *pixel = 100));
+        assert_eq!(
+            lost,
+            Star { x: 31.0, y: 20.0, errx2: f32::INFINITY, erry2: f32::INFINITY, flags: LOST, ..Star::EMPTY }
+        );
+        let gone = found(900.0, -20.0, |_| {});
+        assert_eq!((gone.x, gone.flags), (-20.0, LOST | EDGE));
+    }
+
+    #[test]
+    fn nothing_is_written_where_a_star_has_no_place() {
+        let (pixels, window) = ([0u16; 64], Window { x: 3.5, y: 3.5, width: 8, height: 8 });
+        let frame = Raster::new(&pixels, 8, 8, 8).expect("a frame");
+        let mut out = [Star { x: 7.0, ..Star::EMPTY }];
+        let refused = track::<F32, _>(&frame, &[window; 2], &CAMERA, &[], &mut out);
+        assert!(matches!(refused, Err(Error::Length { given: 1, needed: 2, .. })) && out[0].x == 7.0, "{refused:?}");
+        assert!(track::<F32, _>(&frame, &[window], &CAMERA, &[], &mut out).is_ok() && out[0].flags == LOST);
+    }
+}

@@ -105,3 +105,64 @@ impl<R: Real> Equations<R> {
         Some(Solution { sky: level, star: amplitude, shift: (x, y), of_star, of_shift: (cc, cr, rr) })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pixels with their weights, and what they are made of.
+    const PIXELS: [(f32, Basis<f32>); 6] = {
+        const fn pixel(weight: f32, star: f32, column: f32, row: f32) -> (f32, Basis<f32>) {
+            (weight, Basis { sky: 0.5, star, column, row })
+        }
+        [
+            pixel(1.0, 1.0, 0.25, -0.125),
+            pixel(0.5, 0.5, 0.5, 0.25),
+            pixel(0.75, 0.5, -0.5, 0.125),
+            pixel(1.0, 0.25, 0.125, 0.5),
+            pixel(0.25, 0.75, 0.375, -0.5),
+            pixel(1.0, 0.0, 0.0, 0.25),
+        ]
+    };
+
+    fn equations(value: impl Fn(&Basis<f32>) -> f32) -> Equations<f32> {
+        let mut equations = Equations::with_sky(0.5, 2.0);
+        PIXELS.iter().for_each(|(weight, basis)| equations.add(*basis, *weight, value(basis)));
+        equations
+    }
+
+    #[test]
+    fn what_pixels_are_made_of_is_found() {
+        let value = |b: &Basis<f32>| 2.0 * b.sky + 3.0 * b.star + 0.5 * b.column - 0.25 * b.row;
+        let found = equations(value).solve().expect("a solution");
+        for (found, made) in [(found.sky, 2.0), (found.star, 3.0), (found.shift.0, 0.5), (found.shift.1, -0.25)] {
+            assert!((found - made).abs() < 1e-5, "{found}, not {made}");
+        }
+    }
+
+    /// The change of the least sum of squares, `shift^2 information`, as a quantity is held away from its best value.
+    #[test]
+    fn information_is_how_sharp_the_least_is() {
+        let found = equations(|_| 0.0).solve().expect("a solution");
+        let (xx, xy, yy) = found.of_shift;
+        for (found, expected) in [(found.of_star, 0.861_177_9), (xx, 0.369_984_3), (xy, 0.006_389_6), (yy, 0.301_710_8)]
+        {
+            assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn what_no_pixel_tells_has_no_solution() {
+        let solved = |basis: [Basis<f32>; 3]| {
+            let mut equations = Equations::with_sky(1.0, 0.0);
+            basis.into_iter().for_each(|basis| equations.add(basis, 1.0, 1.0));
+            equations.solve().is_some()
+        };
+        let zero = Basis { sky: 0.0, star: 0.0, column: 0.0, row: 0.0 };
+        let [star, column, row] =
+            [Basis { star: 1.0, ..zero }, Basis { column: 1.0, ..zero }, Basis { row: 1.0, ..zero }];
+        assert!(solved([star, column, row]));
+        assert!(!solved([star, column, zero]) && !solved([star, zero, row]) && !solved([zero, column, row]));
+        assert!(Equations::with_sky(0.0f32, 0.0).solve().is_none());
+    }
+}

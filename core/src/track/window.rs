@@ -292,3 +292,116 @@ impl<'a, P: Pixel> View<'a, P> {
         across(y).flat_map(|y| across(x).map(move |x| (x, y))).filter_map(|(x, y)| self.at(x, y)).fold(base, u16::max)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CAMERA: Camera = Camera { black: 0.0, gain: 1.0, read_noise: 1.0, saturation: 1000.0, psf_sigma: 1.0 };
+
+    #[test]
+    fn windows_are_centred_and_end_with_the_frame() {
+        assert_eq!(
+            [clip(10.2, 8, 20), clip(10.6, 8, 20), clip(10.0, 9, 20), clip(10.4, 9, 20)],
+            [(7, 8), (7, 8), (6, 9), (6, 9)]
+        );
+        assert_eq!(
+            [clip(1.0, 8, 20), clip(18.0, 9, 20), clip(-99.0, 8, 20), clip(99.0, 8, 20)],
+            [(0, 6), (14, 6), (0, 0), (20, 0)]
+        );
+    }
+
+    /// Looks at a window of 8 x 8 pixels that is all of its frame.
+    fn look<T>(pixels: [u16; 64], bad: &[BadPixel], look: impl FnOnce(&mut View<'_, u16>) -> T) -> T {
+        let frame = Raster::new(&pixels, 8, 8, 8).expect("a frame");
+        let window = Window { x: 3.5, y: 3.5, width: 8, height: 8 };
+        look(&mut View::new(&frame, &window, &CAMERA, bad).expect("a view"))
+    }
+
+    /// A border of so many 9s, 10s and then 12s around light.
+    fn border(nines: usize, tens: usize) -> [u16; 64] {
+        let mut counts =
+            core::iter::repeat_n(9, nines).chain(core::iter::repeat_n(10, tens)).chain(core::iter::repeat(12));
+        core::array::from_fn(|at| {
+            let at_border = [0, 7].contains(&(at % 8)) || [0, 7].contains(&(at / 8));
+            if at_border { counts.next().unwrap_or(0) } else { 500 }
+        })
+    }
+
+    #[test]
+    fn the_sky_is_the_median_of_the_border_within_a_count() {
+        // Of 28 pixels the middle is behind 14: behind 7 or 11 of 14 equal ones.
+        for (nines, rest) in [(7, 0.0), (3, 11.0 / 14.0 - 0.5), (14, -0.5)] {
+            let sky = look(border(nines, 14), &[], |view| view.sky(&Rectangle::NONE)).expect("a border");
+            assert!((sky.base, sky.pixels) == (10, 28) && (sky.rest - rest).abs() < 1e-6, "{sky:?}");
+        }
+        // Below the third row, and without a pixel that is bad, a 10 and fourteen 12s are left.
+        let (inside, bad) = (Rectangle { columns: (0, 7), rows: (0, 2) }, [BadPixel { x: 0, y: 3 }]);
+        let sky = look(border(8, 6), &bad, |view| view.sky(&inside)).expect("a border");
+        assert_eq!((sky.base, sky.pixels), (12, 15));
+    }
+
+    #[test]
+    fn rectangles_at_the_border_are_told() {
+        let at_border = |columns, rows| look([0; 64], &[], |view| view.at_border(&Rectangle { columns, rows }));
+        assert!(!at_border((1, 6), (1, 6)));
+        assert!(
+            at_border((0, 6), (1, 6))
+                && at_border((1, 7), (1, 6))
+                && at_border((1, 6), (0, 6))
+                && at_border((1, 6), (1, 7))
+        );
+    }
+
+    #[test]
+    fn the_brightest_nine_pixels_are_found_without_those_left_out() {
+        let mut pixels = [10; 64];
+        for (at, value) in [(2 * 8 + 5, 60), (3 * 8 + 5, 90), (3 * 8 + 4, 50), (5 * 8 + 2, 1000)] {
+            pixels[at] = value;
+        }
+        // The last one is saturated.
+        assert_eq!(look(pixels, &[], |view| (view.brightest(10), view.peak((2, 5), 10))), ((4, 2), 10));
+        let bad = [BadPixel { x: 5, y: 3 }];
+        assert_eq!(look(pixels, &bad, |view| (view.brightest(10), view.peak((4, 2), 10))), ((4, 2), 60));
+        assert_eq!(look([0; 64], &[], |view| view.brightest(10)), (1, 1));
+    }
+
+    #[test]
+    fn spikes_stand_alone_above_their_level() {
+        let mut pixels = [10; 64];
+        for (at, value) in [(3 * 8 + 3, 210), (0, 210), (6 * 8 + 5, 60), (5 * 8 + 5, 60), (6 * 8 + 6, 60), (2, 20)] {
+            pixels[at] = value;
+        }
+        look(pixels, &[], |view| {
+            view.leave_out_spikes(10, 25, 0.3);
+            // In a corner two neighbours are too few to tell.
+            let left_out = |x: usize, y: usize| view.at(x, y).is_none();
+            assert!(left_out(3, 3) && !left_out(0, 0) && !left_out(5, 6) && !left_out(5, 5) && !left_out(2, 0));
+            assert_eq!((0..8).map(|y| view.out_of(y).count_ones()).sum::<u32>(), 1);
+        });
+        // Four neighbours with 0.3 of the light in the mean are enough, 15 in all for the noise.
+        for (beside, spike) in [(66, true), (67, false)] {
+            let mut pixels = [10; 64];
+            for at in [3 * 8 + 2, 3 * 8 + 4, 2 * 8 + 3, 4 * 8 + 3] {
+                pixels[at] = beside;
+            }
+            pixels[3 * 8 + 3] = 210;
+            assert_eq!(look(pixels, &[], |view| view.is_spike(3, 3, 10, 25, 0.3)), spike, "{beside}");
+        }
+    }
+
+    #[test]
+    fn windows_and_places_have_bounds() {
+        let valid = |x: f32, side: u16| Window { x, y: 0.0, width: side, height: 8 }.validate().is_ok();
+        assert!(
+            valid(-1e6, 8)
+                && valid(1e6, 64)
+                && !valid(1.1e6, 8)
+                && !valid(f32::NAN, 8)
+                && !valid(0.0, 7)
+                && !valid(0.0, 65)
+        );
+        assert!(Window { x: 0.0, y: 2e6, width: 8, height: 8 }.validate().is_err());
+        assert!(Window { x: 0.0, y: 0.0, width: 8, height: 7 }.validate().is_err());
+    }
+}

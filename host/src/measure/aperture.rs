@@ -293,6 +293,18 @@ mod tests {
     }
 
     #[test]
+    fn even_light_has_two_thirds_of_the_radius_as_its_first_moment() {
+        let (pixels, labels) = (vec![3.0; 40_000], vec![0; 40_000]);
+        let [background, noise] = [1.0, 1.0].map(|level| Some(crate::measure::Level::Constant(level)));
+        let extras = crate::measure::Extras { background, noise, ..Default::default() };
+        let scene = Scene::new(&pixels, &labels, 200, 200, &extras);
+        for (a, b) in [(60.0, 60.0), (80.0, 30.0)] {
+            let moment = Aperture::ellipse((99.6, 100.3), (a, b), 0.4).first_moment(&scene, 1).expect("light");
+            assert!((moment - 2.0 / 3.0).abs() < 2e-3, "{moment}");
+        }
+    }
+
+    #[test]
     fn a_small_source_may_have_a_wider_kron_aperture_for_its_size_than_a_large_one() {
         assert_eq!((largest(100), largest_kron(100)), (7424.0, 7424.0));
         assert_eq!((largest(10_000), largest_kron(10_000)), (641_024.0, 429_824.0));

@@ -362,4 +362,65 @@ mod tests {
         assert!((ring / most - 1.0).abs() < 1e-3, "{ring} of {most}");
         assert!(disc < 0.5 * room, "{disc} of {room}");
     }
+
+    const SIDE: usize = 121;
+    const CENTRE: (f64, f64) = (60.3, 59.6);
+
+    /// A Gaussian with these widths, the first along (4, 3), that is 1000 above a background of 7 with a noise of 1; its
+    /// source ends where it falls to 1.
+    fn gaussian((a, b): (f64, f64), gain: Option<f64>) -> Measured {
+        let light = |at: usize| {
+            let (x, y) = ((at % SIDE) as f64 - CENTRE.0, (at / SIDE) as f64 - CENTRE.1);
+            let (along, across) = ((0.8 * x + 0.6 * y) / a, (0.8 * y - 0.6 * x) / b);
+            1000.0 * libm::exp(-0.5 * (along * along + across * across))
+        };
+        let pixels: Vec<f32> = (0..SIDE * SIDE).map(|at| (7.0 + light(at)) as f32).collect();
+        let labels: Vec<u32> = pixels.iter().map(|&pixel| u32::from(pixel > 8.0)).collect();
+        let [background, noise] = [7.0, 1.0].map(|level| Some(Level::Constant(level)));
+        let wanted = Wanted { kron: true, windowed: true, local: true, petrosian: true };
+        let extras = Extras { background, noise, gain, wanted, ..Extras::default() };
+        let mut source = Source::empty(1);
+        for (at, _) in labels.iter().enumerate().filter(|(_, label)| **label > 0) {
+            source.add((at % SIDE) as u32, (at / SIDE) as u32, pixels[at], 7.0);
+        }
+        measure(&Scene::new(&pixels, &labels, SIDE, SIDE, &extras), &[source], &extras, None).remove(0)
+    }
+
+    /// What integrals over the plane make of it.
+    #[test]
+    fn a_gaussian_has_the_sizes_and_the_light_of_its_integrals() {
+        let found = gaussian((5.0, 3.0), Some(2.0));
+        let close = |name: &str, found: f64, expected: f64, accuracy: f64| {
+            assert!((found / expected - 1.0).abs() < accuracy, "{name}: {found}, not {expected}");
+        };
+        assert!((found.shape.x - CENTRE.0).abs() < 1e-3 && (found.shape.y - CENTRE.1).abs() < 1e-3);
+        assert!((found.windowed.x - CENTRE.0).abs() < 1e-3 && (found.windowed.y - CENTRE.1).abs() < 1e-3);
+        close("a", found.shape.a, 5.0, 5e-3);
+        close("b", found.shape.b, 3.0, 5e-3);
+        close("theta", found.shape.theta, 0.75f64.atan(), 1e-2);
+        // 2.5 times a mean distance of sqrt(pi/2) is less than the least, in which 0.9978 of the light lies.
+        close("Kron's radius", found.kron_radius, 3.5 * 5.0, 1e-2);
+        let all = 2.0 * PI * 15.0 * 1000.0;
+        close("Kron's flux", found.kron.value, 0.9978 * all, 1e-3);
+        let area = PI * 12.25 * 15.0;
+        close("its error", found.kron.error, (area + found.kron.value / 2.0).sqrt(), 1e-3);
+        // Where exp(-0.32 u) - exp(-0.78125 u) is 0.2 * 0.9225 (1 - exp(-u/2)), u the square of the radius.
+        close("Petrosian's radius", found.petrosian.radius, 2.285_95 * 5.0, 1e-2);
+        close("Petrosian's flux", found.petrosian.flux.value, all, 1e-3);
+        close("the background beside it", found.local.background, 7.0, 1e-3);
+        assert_eq!(found.flags, 0);
+    }
+
+    #[test]
+    fn a_window_sees_the_errors_of_its_pixels() {
+        let found = gaussian((4.0, 4.0), None);
+        // Half of 0.9978.
+        assert!((found.half_light / (4.0 * 1.175_54) - 1.0).abs() < 5e-3, "{}", found.half_light);
+        let (window, star) = (found.half_light * 2.0 / 2.35, 4.0);
+        let light = 2.0 * PI * 1000.0 / (1.0 / (window * window) + 1.0 / (star * star));
+        let error = 2.0 * PI * window.powi(4) / (light * light);
+        let (xx, yy, xy) = found.windowed.errors;
+        assert!((xx / error - 1.0).abs() < 5e-3 && (yy / error - 1.0).abs() < 5e-3, "{xx} {yy}, not {error}");
+        assert!(xy.abs() < 0.01 * error);
+    }
 }

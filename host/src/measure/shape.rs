@@ -137,3 +137,30 @@ impl Shape {
         if a * b < pixel * pixel { ((a + pixel).sqrt(), (b + pixel).sqrt()) } else { (self.a, self.b) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn moments_are_those_of_a_turned_ellipse() {
+        for degrees in [-80.0, -45.0, -10.0, 0.0, 30.0, 45.0, 60.0, 90.0] {
+            let theta = degrees * PI / 180.0;
+            let (sin, cos) = theta.sin_cos();
+            let ellipse =
+                Ellipse::of((9.0 * cos * cos + 4.0 * sin * sin, 9.0 * sin * sin + 4.0 * cos * cos, 5.0 * sin * cos));
+            assert!((ellipse.a - 3.0).abs() < 1e-12 && (ellipse.b - 2.0).abs() < 1e-12, "{degrees}: {ellipse:?}");
+            assert!((ellipse.theta - theta).abs() < 1e-12, "{degrees}: {ellipse:?}");
+        }
+        assert_eq!(Ellipse::of((4.0, 4.0, 0.0)), Ellipse { a: 2.0, b: 2.0, theta: 0.0 });
+    }
+
+    #[test]
+    fn no_axis_is_narrower_than_a_pixel() {
+        let axes = |a: f64, b: f64| Shape { a, b, ..Shape::at(0.0, 0.0) }.wide_axes();
+        assert_eq!((axes(2.0, 0.3), axes(0.3, 0.3)), ((2.0, 0.3), (0.3, 0.3)));
+        let (a, b) = axes(2.0, 0.0);
+        assert!((a * a - 4.0 - 1.0 / 12.0).abs() < 1e-12 && (b * b - 1.0 / 12.0).abs() < 1e-12, "{a} {b}");
+    }
+}

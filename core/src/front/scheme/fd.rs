@@ -71,3 +71,23 @@ impl<A: Arithmetic> Evolve<A> for Fd<A> {
         tracked::<A, _, 3>(*self, band, tiles, rows, step);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    #[test]
+    fn a_value_falls_by_its_upwind_gradient() {
+        let config = Config { dt: 0.025, dx: 0.1, ..Config::PAPER_F160 };
+        let mut scheme = <Fd<F32> as Evolve<F32>>::new(&config, 1.0).expect("its scheme");
+        // Lower by 0.6 on the left and by 0.8 above; what is higher does not count.
+        let [below, row, above] = [[0.0, 1.3, 0.0], [0.4, 1.0, 5.0], [0.0, 0.2, 0.0]];
+        let mut new = [1.0];
+        scheme.row(&[&below, &row, &above], &[0.5], &mut new);
+        assert!((new[0] - (1.0 - 0.25 * 0.5)).abs() < 1e-6, "{new:?}");
+        // In a well nothing moves.
+        scheme.row(&[&below, &[4.0, -1.0, 5.0], &above], &[0.5], &mut new);
+        assert_eq!(new, [-1.0]);
+    }
+}

@@ -99,3 +99,40 @@ impl<A: Arithmetic> Evolve<A> for FdCurvature<A> {
         tracked::<A, _, 3>(*self, band, tiles, rows, step);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    const CONFIG: Config = Config { dt: 0.025, dx: 0.1, nu: 0.2, scheme: Scheme::FdCurvature, ..Config::PAPER_F160 };
+
+    fn moved(config: Config, speed: f32, [below, row, above]: [[f32; 3]; 3]) -> f32 {
+        let mut scheme = <FdCurvature<F32> as Evolve<F32>>::new(&config, 1.0).expect("its scheme");
+        let mut new = [0.0];
+        scheme.row(&[&below, &row, &above], &[speed], &mut new);
+        new[0]
+    }
+
+    #[test]
+    fn a_value_falls_by_its_gradient_and_bends_by_its_curvature() {
+        // D = (0.3, 0.4), v_xx = 0.2, v_yy = -0.2, v_xy = 0.1: 0.2 * 0.64 - 2 * 0.48 * 0.1 - 0.2 * 0.36 = -0.04, half of
+        // it for nu dt / dx^2, and sqrt(0.2^2 + 0.5^2) downwind.
+        let around = [[0.1, -0.5, 0.3], [-0.2, 0.0, 0.4], [0.2, 0.3, 0.8]];
+        let expected = -0.25 * 0.5 * 0.538_516_5 - 0.5 * 0.5 * 0.04;
+        assert!((moved(CONFIG, 0.5, around) - expected).abs() < 1e-6);
+        assert!((moved(Config { nu: 0.0, ..CONFIG }, 1.0, around) + 0.25 * 0.538_516_5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn where_it_is_flat_the_four_neighbours_count() {
+        let around = [[7.0, 0.8, 7.0], [0.9, 1.0, 0.9], [7.0, 0.8, 7.0]];
+        // sqrt(2 * 0.1^2 + 2 * 0.2^2) downwind, and nu / 4 times -0.6, or as printed times 3.4.
+        let fallen = 1.0 - 0.25 * 0.5 * 0.316_227_8;
+        let printed = Config { curvature_form: CurvatureForm::Printed, ..CONFIG };
+        for (config, bent) in [(CONFIG, -0.6), (printed, 3.4)] {
+            let (found, expected) = (moved(config, 0.5, around), fallen + 0.5 * 0.05 * bent);
+            assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+        }
+    }
+}

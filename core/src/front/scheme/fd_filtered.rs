@@ -106,3 +106,46 @@ impl<A: Arithmetic> Evolve<A> for FdFiltered<A> {
         tracked::<A, _, 3>(*self, band, tiles, rows, step);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+    use crate::arithmetic::vectors::COLUMNS;
+
+    fn scheme(dt: f32, dx: f32) -> FdFiltered<F32> {
+        let config = Config { dt, dx, ..Config::PAPER_F160.with_scheme(Scheme::FdFiltered) };
+        <FdFiltered<F32> as Evolve<F32>>::new(&config, 1.0).expect("its scheme")
+    }
+
+    #[test]
+    fn what_is_far_from_the_upwind_slope_is_filtered_out() {
+        // The room is a quarter of the upwind slope; beyond it the difference falls to nothing at twice of it.
+        let filtered = |fine: f32| scheme(0.02, 0.1).filtered(2.0, fine);
+        for (fine, expected) in [(2.3, 2.3), (1.6, 1.6), (2.7, 2.3), (1.3, 1.7), (3.5, 2.0), (0.5, 2.0), (2.0, 2.0)] {
+            assert!((filtered(fine) - expected).abs() < 1e-6, "{fine}: {}", filtered(fine));
+        }
+        // In finer pixels there is less: 2.5 dx.
+        assert!((scheme(0.01, 0.05).filtered(2.0, 2.3) - 2.2).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_value_falls_by_the_slope_of_second_order() {
+        // D = (0.3, 0.4), v_xx = 0.2, v_yy = -0.2, v_xy = 0.1; g = 0.5 with Dg = (0.1, -0.15).
+        let [below, row, above] = [[0.1, -0.5, 0.3], [-0.2, 0.0, 0.4], [0.2, 0.3, 0.8]];
+        // Rows beside a tile are as long as the tile and a cell on either side.
+        let mut speed = [0.0; 3 * (COLUMNS + 2)];
+        for (cells, row) in speed.chunks_exact_mut(COLUMNS + 2).zip([[0.0, 0.7, 0.0], [0.4, 0.5, 0.6], [0.0, 0.4, 0.0]])
+        {
+            cells[..3].copy_from_slice(&row);
+        }
+        let mut new = [0.0];
+        scheme(0.04, 0.1).row(&[&below, &row, &above], &speed, &mut new);
+        // n.D^2v n = 0.2 * 0.36 - 0.2 * 0.64 + 2 * 0.48 * 0.1 = 0.04, and Dg.Dv = -0.03.
+        let slope = 0.5 - 0.2 * (0.5 * 0.04 - 0.03);
+        assert!((new[0] + 0.4 * 0.5 * slope).abs() < 1e-6, "{new:?}");
+        // On a top there is no direction: upwind.
+        scheme(0.04, 0.1).row(&[&[0.0, -0.3, 0.0], &[-0.4, 0.0, -0.4], &[0.0, -0.3, 0.0]], &speed, &mut new);
+        assert!((new[0] + 0.4 * 0.5 * 0.5 * core::f32::consts::SQRT_2).abs() < 1e-6, "{new:?}");
+    }
+}

@@ -63,3 +63,47 @@ impl<A: Arithmetic> Length<A> {
         moved.least(A::Real::ONE).greatest(-A::Real::ONE)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    /// Differences to the four sides and the four corners.
+    fn near(centre: f32, sides: [f32; 4], corners: [f32; 4]) -> Nearby<f32> {
+        Nearby { centre, sides: sides.map(|side| side + centre), corners: corners.map(|corner| corner + centre) }
+    }
+
+    #[test]
+    fn the_weights_are_those_of_a_configuration() {
+        let chan_vese = crate::config::ChanVese { mu: 0.02, ..Config::PAPER_F160.chan_vese };
+        let length = Length::<F32>::new(&Config { dt: 0.5, dx: 0.1, chan_vese, degenerate: 0.3, ..Config::PAPER_F160 });
+        assert!((length.weight - 0.1).abs() < 1e-7 && length.flat == 0.3, "{length:?}");
+    }
+
+    #[test]
+    fn where_it_is_flat_the_four_neighbours_count() {
+        let length = Length::<F32> { weight: 0.5, flat: 2.0 };
+        // Each weighs 1/2: (0.2 + 0.5 * 0.5 * 0.4) / (1 + 2 * 0.5 * 2).
+        let moved = length.step(&near(0.1, [0.3, -0.1, 0.4, -0.2], [0.0; 4]), 0.2);
+        assert!((moved - (0.1 + 0.3 / 3.0)).abs() < 1e-6, "{moved}");
+    }
+
+    #[test]
+    fn where_it_is_steep_each_square_counts_by_its_slope() {
+        let length = Length::<F32> { weight: 0.1, flat: 1e-3 };
+        // The squares' slopes: 0.5, 0.5, 0.3 and sqrt(0.27), where the two differences along x are 0.3 and 0.6.
+        let moved = length.step(&near(0.2, [0.3, -0.3, 0.4, 0.0], [0.7, 0.1, 0.3, 0.3]), 0.05);
+        let [one, other] = [0.5 / 0.3, 0.5 / 0.519_615_2];
+        let (bend, weights) = (0.3 * (1.0 + one) - 0.3 * (1.0 + other) + 0.4 * 2.0, 2.0 * (2.0 + one + other));
+        let expected = 0.2 + (0.05 + 0.1 * bend) / (1.0 + 0.2 * weights);
+        assert!((moved - expected).abs() < 1e-6, "{moved}, not {expected}");
+    }
+
+    #[test]
+    fn fronts_stay_between_their_ends() {
+        let length = Length::<F32> { weight: 0.0, flat: 1.0 };
+        let moved = |force| length.step(&near(0.5, [0.0; 4], [0.0; 4]), force);
+        assert_eq!([0.25, 3.0, -3.0].map(moved), [0.75, 1.0, -1.0]);
+    }
+}

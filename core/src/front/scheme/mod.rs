@@ -149,3 +149,18 @@ fn corners<'a, C: Copy>(old: &[&'a [C]; 3]) -> impl Iterator<Item = [C; 4]> + us
     let rows = below.iter().zip(shifted(below, 2)).zip(above).zip(shifted(above, 2));
     rows.map(|(((&bl, &br), &al), &ar)| [bl, br, al, ar])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    #[test]
+    fn what_is_flat_is_told_in_pixels_and_units_of_the_plane() {
+        for (degenerate_power, slope) in [(0, 3.0), (1, 0.6), (2, 0.12)] {
+            let config = Config { degenerate: 3.0, degenerate_power, dx: 0.2, ..Config::PAPER_F160 };
+            let found = flat_limit::<F32>(&config, 10.0);
+            assert!((found - slope * 0.2 * 10.0).abs() < 1e-6, "{degenerate_power}: {found}");
+        }
+    }
+}

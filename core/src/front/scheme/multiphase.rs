@@ -102,3 +102,22 @@ impl<A: Arithmetic> Evolve<A> for Multiphase<A> {
         *step = sweep.step;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    #[test]
+    fn a_front_is_pulled_by_the_phases_that_its_other_front_leaves() {
+        let length = Length::new(&Config::PAPER_F160);
+        let scheme = Multiphase::<F32> { length, force: 0.1 };
+        let alone = Nearby { centre: 0.2, sides: [0.2; 4], corners: [0.2; 4] };
+        let moved = |other| scheme.step(&alone, other, [[0.8, 0.2], [0.3, 0.6]]) - 0.2;
+        let of_force = 2.0 * (length.step(&alone, 0.5) - 0.2);
+        // Inside of the other it is 0.6, outside -0.3, and 1 + w and 1 - w are their weights.
+        for (other, force) in [(1.0, 1.2), (-1.0, -0.6), (0.5, 1.5 * 0.6 - 0.5 * 0.3)] {
+            assert!((moved(other) - 0.1 * force * of_force).abs() < 1e-6, "{other}: {}", moved(other));
+        }
+    }
+}

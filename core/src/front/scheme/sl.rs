@@ -104,3 +104,51 @@ impl<A: Arithmetic, const M: usize> Evolve<A> for Sl<A, M> {
         tracked::<A, _, 3>(*self, band, tiles, rows, step);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    /// The least value within 0.4 pixels of a pixel with value 2, in a plane that rises along a direction.
+    fn least<const M: usize>([x, y]: [f32; 2]) -> f32 {
+        let sides = [-x, x, -y, y];
+        Sl::<F32, M>::with_reach(0.8).least_within(2.0, 0.4, sides, [-x - y, x - y, y - x, x + y])
+    }
+
+    #[test]
+    fn planes_fall_by_their_slope_along_every_direction() {
+        for (k, &(cos, sin)) in (1..).zip(&QUADRANT) {
+            let angle = k as f32 * core::f32::consts::PI / 32.0;
+            assert!((libm::cosf(angle) - cos).abs() < 1e-6 && (libm::sinf(angle) - sin).abs() < 1e-6, "{k}");
+            for (x, y) in [(cos, sin), (-cos, sin), (cos, -sin), (-cos, -sin)] {
+                assert!((least::<15>([x, y]) - 1.6).abs() < 1e-6, "{k}");
+                // Of 16 directions only every fourth is one of these.
+                assert_eq!((least::<3>([x, y]) - 1.6).abs() < 1e-6, k % 4 == 0, "{k}");
+            }
+        }
+        for axis in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
+            assert!((least::<3>(axis) - 1.6).abs() < 1e-6, "{axis:?}");
+        }
+        assert_eq!(least::<3>([0.0, 0.0]), 2.0);
+    }
+
+    #[test]
+    fn corners_count_by_the_product_of_the_distances() {
+        for corner in 0..4 {
+            let corners = core::array::from_fn(|at| if at == corner { -1.0 } else { 0.0 });
+            let least = Sl::<F32, 3>::with_reach(0.8).least_within(2.0, 0.4, [0.0; 4], corners);
+            assert!((least - (2.0 - 0.5 * 0.4 * 0.4)).abs() < 1e-6, "{corner}: {least}");
+        }
+    }
+
+    #[test]
+    fn the_front_reaches_as_far_as_its_speed_takes_it() {
+        let config = Config { dt: 0.05, dx: 0.1, ..Config::PAPER_F160.with_scheme(Scheme::Sl) };
+        let mut scheme = <Sl<F32> as Evolve<F32>>::new(&config, 1.0).expect("its scheme");
+        let mut new = [0.0];
+        let row = [1.0, 2.0, 3.0];
+        scheme.row(&[&row, &row, &row], &[0.6], &mut new);
+        assert!((new[0] - (2.0 - 0.5 * 0.6)).abs() < 1e-6, "{new:?}");
+    }
+}

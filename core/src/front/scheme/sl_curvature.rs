@@ -122,3 +122,58 @@ impl<A: Arithmetic, const M: usize> Evolve<A> for SlCurvature<A, M> {
         tracked::<A, _, WINDOW>(*self, band, tiles, rows, step);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    /// The new value of the middle of a plane of values, where dt/dx is 0.5 and it looks `look` pixels far.
+    fn moved(form: CurvatureForm, look: f32, speed: f32, value: impl Fn(f32, f32) -> f32) -> f32 {
+        let rows: [[f32; WINDOW]; WINDOW] = core::array::from_fn(|y| {
+            core::array::from_fn(|x| value(x as f32 - RADIUS as f32, y as f32 - RADIUS as f32))
+        });
+        let (pair, mean) = (0.1, 0.05);
+        let sl = Sl::<F32, 3>::with_reach(0.5);
+        let mut scheme = SlCurvature { sl, look, pair, mean, flat: 1e-3, form };
+        let mut new = [value(0.0, 0.0)];
+        scheme.row(&core::array::from_fn(|y| &rows[y][..]), &[speed], &mut new);
+        new[0]
+    }
+
+    #[test]
+    fn it_looks_along_the_contour_to_both_sides() {
+        use CurvatureForm::{Consistent, Printed};
+        // Rises along (3, 4) / 5, so that it looks at (2, -1.5) and at (-2, 1.5), between two rows.
+        let plane = |x: f32, y: f32| 1.0 + 0.06 * x + 0.08 * y;
+        let bent = |x: f32, y: f32| plane(x, y) + 0.01 * x * x + 0.03 * y * y - 0.02 * x * y;
+        // 0.01 * 4 + 0.03 * (1 + 4) / 2 + 0.02 * 3 on either side.
+        let looks = 2.0 * (0.04 + 0.075 + 0.06);
+        assert!((moved(Consistent, 2.5, 0.0, bent) - 1.0).abs() < 1e-6, "nothing moves without speed");
+        let added = |form, value: &dyn Fn(f32, f32) -> f32| {
+            // What it has without a look is the semi-Lagrangian step.
+            moved(form, 2.5, 0.5, value) - moved(Consistent, 0.0, 0.5, value)
+        };
+        assert!(added(Consistent, &plane).abs() < 1e-6);
+        assert!((added(Consistent, &bent) - 0.5 * 0.1 * looks).abs() < 1e-6);
+        assert!((added(Printed, &bent) - 0.5 * 0.1 * (looks + 2.0)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn where_it_is_flat_the_four_neighbours_count() {
+        let bowl = |x: f32, y: f32| 2.0 + 0.1 * x * x + 0.3 * y * y;
+        // The sum over the neighbours is 0.8, and with the pixel's own value, as printed, four of it more.
+        assert!((moved(CurvatureForm::Consistent, 2.5, 0.5, bowl) - (2.0 + 0.5 * 0.05 * 0.8)).abs() < 1e-6);
+        assert!((moved(CurvatureForm::Printed, 2.5, 0.5, bowl) - (2.0 + 0.5 * 0.05 * 8.8)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_constants_are_those_of_a_configuration() {
+        let config = Config { dt: 0.02, dx: 0.1, nu: 0.3, ..Config::PAPER_F160.with_scheme(Scheme::SlCurvature) };
+        let scheme = <SlCurvature<F32> as Evolve<F32>>::new(&config, 1.0).expect("its scheme");
+        for (found, expected) in [(scheme.look, 2.0), (scheme.pair, 0.15), (scheme.mean, 0.075), (scheme.sl.reach, 0.2)]
+        {
+            assert!((found - expected).abs() < 1e-6, "{scheme:?}");
+        }
+    }
+}

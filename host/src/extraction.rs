@@ -66,6 +66,18 @@ const PIXELS_OF_REGION: usize = 16;
 /// A table of so few regions is not worth sparing.
 const LEAST_REGIONS: usize = 1 << 16;
 
+/// The regions of a table that is enough for most images.
+fn few_regions(pixels: usize) -> usize {
+    (pixels / PIXELS_OF_REGION).max(LEAST_REGIONS)
+}
+
+/// As [`memory`], together and but for images full of specks.
+pub fn usual_memory(config: &Config, width: usize, height: usize) -> usize {
+    let all: usize = memory(config, width, height).iter().map(|(bytes, _)| bytes).sum();
+    let spared = regions(width, height).saturating_sub(few_regions(width * height));
+    all - spared * size_of::<Region<f32>>()
+}
+
 /// Segments an image, row-major, NaN = undefined, in `L`; a front that is not the region's own moves in `A`.
 ///
 /// # Errors
@@ -79,8 +91,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     if !drive.bands.is_empty() {
         bands::serve::<A>(config, drive.bands.len() + 1)?;
     }
-    let few = (pixels.len() / PIXELS_OF_REGION).max(LEAST_REGIONS);
-    with_few_regions::<A, L>(config, pixels, width, drive, few)
+    with_few_regions::<A, L>(config, pixels, width, drive, few_regions(pixels.len()))
 }
 
 /// The same in a table of a few regions or, where the image has more, again in one that has room for all.

@@ -70,7 +70,7 @@ fn countable(width: u64, height: u64) -> Result<u64, String> {
     width.checked_mul(height).filter(|&pixels| pixels <= MOST_PIXELS).ok_or_else(|| {
         format!(
             "{width} x {height} pixels are more than {MOST_PIXELS}, the most that can be labelled; cut the image into \
-             pieces"
+             pieces, or give --strips"
         )
     })
 }

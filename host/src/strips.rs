@@ -404,25 +404,25 @@ mod tests {
         image
     }
 
-    fn request(columns: &str) -> Request {
+    fn request(columns: &str, radius: f64) -> Request {
         let names = [columns.to_owned()];
         let mut request = Request { columns: crate::catalogue::Choice::new(&names).unwrap(), ..Request::default() };
-        (request.extras.apertures, request.extras.zero_point, request.map_only) = (vec![3.0], Some(25.0), true);
+        (request.extras.apertures, request.extras.zero_point, request.map_only) = (vec![radius], Some(25.0), true);
         request.extras.threads = 2;
         request
     }
 
-    fn in_one_piece(image: &Image, columns: &str, folder: &Path) -> Segmentation {
-        let (config, request, input) = (&Config::NOISE_AWARE, request(columns), Input::alone("sky", image.clone()));
+    fn in_one_piece(image: &Image, request: &Request, folder: &Path) -> Segmentation {
+        let (config, input) = (&Config::NOISE_AWARE, Input::alone("sky", image.clone()));
         let run = segment(config, &image.pixels, WIDTH, HEIGHT, &mut Drive::default()).unwrap();
         let mut products = Products::plan(folder, &[], true).unwrap();
-        write(&mut products, config, &input, &run, &request).unwrap();
+        write(&mut products, config, &input, &run, request).unwrap();
         products.publish().unwrap();
         run
     }
 
-    fn in_strips(image: &Image, rows: usize, columns: &str, folder: &Path) -> Vec<u32> {
-        let (config, request) = (&Config::NOISE_AWARE, request(columns));
+    fn in_strips(image: &Image, rows: usize, request: &Request, folder: &Path) -> Vec<u32> {
+        let config = &Config::NOISE_AWARE;
         let mut products = Products::plan(folder, &[], true).unwrap();
         let (mut pixels, labels) = (products.scratch().unwrap(), products.scratch().unwrap());
         pixels.put(0, image.pixels.iter().map(|value| value.to_bits())).unwrap();
@@ -430,9 +430,9 @@ mod tests {
         let strips = Strips::new(config, (WIDTH, HEIGHT), rows);
         let mut rounds = 0;
         let mut watch = |round: usize, _: usize| rounds = round;
-        let task = Task { config, input: &input, request: &request, strips, pixels, labels, watch: &mut watch };
+        let task = Task { config, input: &input, request, strips, pixels, labels, watch: &mut watch };
         let mut found = run(task).unwrap();
-        write_strips(&mut products, config, &input, &mut found, &request).unwrap();
+        write_strips(&mut products, config, &input, &mut found, request).unwrap();
         products.publish().unwrap();
         assert!(strips.count() == 1 || rounds > 3);
         found.beyond
@@ -444,15 +444,15 @@ mod tests {
 
     #[test]
     fn strips_have_the_bytes_of_one_piece() {
-        let folder = folder("bytes");
+        let (folder, request) = (folder("bytes"), request("all", 3.0));
         for (kind, seed) in [(Sky::Noisy, 1), (Sky::Stars, 2), (Sky::Bright, 3)] {
             let image = image(kind, seed);
             let (one, parts) = (folder.join("one"), folder.join("strips"));
-            assert!(in_one_piece(&image, "all", &one).sources.len() > 10);
+            assert!(in_one_piece(&image, &request, &one).sources.len() > 10);
             for rows in [200, 333, HEIGHT] {
-                let beyond = in_strips(&image, rows, "all", &parts);
+                let beyond = in_strips(&image, rows, &request, &parts);
                 assert!(beyond.is_empty(), "{beyond:?}");
-                for name in [DATA[0]].into_iter().chain(names(&request("all"))) {
+                for name in [DATA[0]].into_iter().chain(names(&request)) {
                     assert!(file(&parts, name) == file(&one, name), "{name} of {kind:?} in strips of {rows}");
                 }
                 let summary =
@@ -475,7 +475,7 @@ mod tests {
 
     #[test]
     fn what_is_longer_than_a_strip_sees_is_one_source_that_is_told_of_and_the_others_are_as_in_one_piece() {
-        let (folder, (x, y)) = (folder("long"), (100, 330));
+        let (folder, request, (x, y)) = (folder("long"), request("default", 3.0), (100, 330));
         let mut image = image(Sky::Noisy, 5);
         image.pixels.iter_mut().enumerate().for_each(|(at, pixel)| {
             let off = ((at % WIDTH) as f32 - x as f32, (at / WIDTH) as f32 - y as f32);
@@ -483,10 +483,10 @@ mod tests {
         });
         let (one, parts) = (folder.join("one"), folder.join("strips"));
         // What is taken beside sources on request knows the outlines of their neighbours.
-        let whole = in_one_piece(&image, "default", &one);
+        let whole = in_one_piece(&image, &request, &one);
         let long = whole.sources[whole.labels[y * WIDTH + x] as usize - 1];
         assert!(long.rows.1 - long.rows.0 > 400, "{:?}", long.rows);
-        let beyond = in_strips(&image, 100, "default", &parts);
+        let beyond = in_strips(&image, 100, &request, &parts);
         let labels = crate::read::image(&parts.join(DATA[0]), None).unwrap().pixels;
         let on_axis = (0..HEIGHT).map(|y| y * WIDTH + x).filter(|&at| whole.labels[at] == long.label);
         let found: BTreeSet<u32> = on_axis.map(|at| labels[at] as u32).collect();
@@ -500,6 +500,19 @@ mod tests {
         assert!(beyond.len() < found.len() / 4, "{} of {}", beyond.len(), found.len());
         let flags: Vec<u32> = csv(&parts, "flags");
         assert!(flags[*label as usize - 1] & flags::TRUNCATED > 0);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn apertures_wider_than_what_a_strip_sees_are_told_of() {
+        let (folder, image) = (folder("wide"), image(Sky::Noisy, 6));
+        let beyond = in_strips(&image, 320, &request("default", 160.0), &folder);
+        let rows: Vec<f64> = csv(&folder, "y");
+        // Of 640 rows each strip sees 448; a circle goes one pixel farther than its radius.
+        let is_near = |y: f64| if y < 319.5 { y + 161.0 > 447.0 } else { y - 161.0 < 192.0 };
+        let near: Vec<u32> = (1..).zip(&rows).filter(|(_, y)| is_near(**y - 1.0)).map(|(label, _)| label).collect();
+        assert!(near.len() > 3 && near.len() < rows.len(), "{near:?}");
+        assert_eq!(beyond, near);
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -105,11 +105,15 @@ fn what_needs_all_of_an_image_is_refused_by_both_names() {
         assert_eq!(run.status.code(), Some(2), "{options:?}: {said}");
         assert!(said.contains("--strips") && said.contains(words), "{options:?}: {said}");
     }
+    let blank = folder.file("blank.fits");
+    let bytes = Header::primary(-32, &[300, 300]).with(samples(-32, &[f64::NAN; 300 * 300]));
+    fs::write(&blank, bytes).expect("a file can be written");
     let section = format!("{image}[1:50,1:60]");
     for (image, more, words) in [
         (&section, "1G", "a section"),
         (&image, "26M", "even in strips"),
         (&folder.file("absent.fits"), "1G", "absent.fits"),
+        (&blank, "1G", "every pixel is undefined"),
     ] {
         let run = skyfront(["segment", image, "--strips", "--out", &out, "--max-memory", more]);
         let said = messages(&run);

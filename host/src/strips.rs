@@ -56,6 +56,10 @@ impl Strips {
     /// The bytes of strips as low as their halo, where these are more: lower ones would mostly see again what others see.
     pub fn within(config: &Config, size: (usize, usize), bytes: u64) -> Result<Strips, u64> {
         let need = |rows: usize| Strips::new(config, size, rows).bytes(config);
+        // One has no neighbours to remember the rows of.
+        if need(size.1) <= bytes {
+            return Ok(Strips::new(config, size, size.1));
+        }
         let least = Strips::new(config, size, 1).halo.min(size.1);
         if need(least) > bytes {
             return Err(need(least));
@@ -535,6 +539,8 @@ mod tests {
         assert!(higher.bytes(config) > 1_976_000_000, "{higher:?}");
         let whole = Strips::within(config, (500, 500), 2_000_000_000).unwrap();
         assert_eq!((whole.count(), whole.rows), (1, 500));
+        let exact = Strips::new(config, (300, 300), 300);
+        assert_eq!(Strips::within(config, (300, 300), exact.bytes(config)), Ok(exact));
         let need = Strips::within(config, size, 1_000_000).unwrap_err();
         assert_eq!(need, Strips::new(config, size, strips.halo).bytes(config));
         assert!(Strips::within(config, size, need).is_ok_and(|strips| strips.bytes(config) <= need));

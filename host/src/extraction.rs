@@ -25,6 +25,7 @@ use skyfront_core::sky::view::Known;
 use skyfront_core::sky::{Mesh, Sky, mesh_cells};
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::sources::tree::Region;
+use std::ops::Range;
 use std::time::Instant;
 
 /// Bytes that an image and [`segment`] without pictures take together, by what they hold.
@@ -65,6 +66,18 @@ const PIXELS_OF_REGION: usize = 16;
 /// A table of so few regions is not worth sparing.
 const LEAST_REGIONS: usize = 1 << 16;
 
+/// The regions of a table that is enough for most images.
+fn few_regions(pixels: usize) -> usize {
+    (pixels / PIXELS_OF_REGION).max(LEAST_REGIONS)
+}
+
+/// As [`memory`], together and but for images full of specks.
+pub fn usual_memory(config: &Config, width: usize, height: usize) -> usize {
+    let all: usize = memory(config, width, height).iter().map(|(bytes, _)| bytes).sum();
+    let spared = regions(width, height).saturating_sub(few_regions(width * height));
+    all - spared * size_of::<Region<f32>>()
+}
+
 /// Segments an image, row-major, NaN = undefined, in `L`; a front that is not the region's own moves in `A`.
 ///
 /// # Errors
@@ -78,8 +91,7 @@ pub fn segment<A: Arithmetic, L: Level>(
     if !drive.bands.is_empty() {
         bands::serve::<A>(config, drive.bands.len() + 1)?;
     }
-    let few = (pixels.len() / PIXELS_OF_REGION).max(LEAST_REGIONS);
-    with_few_regions::<A, L>(config, pixels, width, drive, few)
+    with_few_regions::<A, L>(config, pixels, width, drive, few_regions(pixels.len()))
 }
 
 /// The same in a table of a few regions or, where the image has more, again in one that has room for all.
@@ -155,7 +167,9 @@ fn in_room<A: Arithmetic, L: Level>(
         let unseen = sky.noise.iter_mut().zip(pixels).filter(|(_, pixel)| **pixel == found.values.fill);
         unseen.for_each(|(noise, _)| *noise = f32::NAN);
     }
-    let extremes = extremes_of(pixels, width, &found, &crew);
+    // What parts have in common counts in one of them.
+    let own = drive.whole.map(Whole::part).map_or((0..width, 0..height), |part| (part.columns, part.rows));
+    let extremes = extremes_of((pixels, width), own, &found, &crew);
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
     in_groups(&mut sources, drive.threads, |first, sources| {
         for (y, (labels, pixels)) in (0..).zip(labels.chunks_exact(width).zip(pixels.chunks_exact(width))) {
@@ -204,15 +218,21 @@ fn in_room<A: Arithmetic, L: Level>(
 }
 
 /// The extremes of the pixels that are observations.
-fn extremes_of(pixels: &[f32], width: usize, found: &Found, crew: &Threads) -> Extremes {
+fn extremes_of(
+    (pixels, width): (&[f32], usize),
+    (columns, rows): (Range<usize>, Range<usize>),
+    found: &Found,
+    crew: &Threads,
+) -> Extremes {
     /// Rows that a thread takes at a time.
     const ROWS: usize = 64;
     let band = (ROWS * width).max(1);
+    let pixels = pixels.get(rows.start * width..rows.end * width).unwrap_or(&[]);
     let mut bands = vec![Extremes::NONE; pixels.len().div_ceil(band)];
     crew.each(bands.iter_mut().zip(pixels.chunks(band)), |(extremes, pixels)| {
-        let mut observed = vec![0.0; width];
+        let mut observed = vec![0.0; columns.len()];
         for row in pixels.chunks_exact(width) {
-            let mut row = row;
+            let mut row = row.get(columns.clone()).unwrap_or(&[]);
             if found.values.filled > 0 {
                 let observe = |pixel: f32| if found.values.holds(pixel) { pixel } else { f32::NAN };
                 observed.iter_mut().zip(row).for_each(|(out, &pixel)| *out = observe(pixel));

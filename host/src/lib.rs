@@ -48,6 +48,7 @@ pub mod score;
 pub mod segmentation;
 pub mod settings;
 pub mod sky;
+pub mod strips;
 pub mod summary;
 pub mod truth;
 pub mod vectors;

@@ -3,7 +3,10 @@
 //! A run over a part ends when it comes to a question that has no answer yet, and tells what the part contributes. The
 //! contributions of all parts become the answer, in any order of parts; then every run begins anew, until none is left.
 
+use crate::measure::Measured;
+use crate::segmentation::Segmentation;
 use skyfront_core::plane::part::{CELL_WORDS, Part, Question, Whole};
+use skyfront_core::plane::rows::used;
 use skyfront_core::sources::typical::{MOST, RECORD};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -202,10 +205,57 @@ impl Whole for Asking<'_> {
     }
 }
 
+/// Of every label of a part, by its number: where it begins, and whether it may go on beyond the part.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// The index of its first pixel in the image; none for labels without pixels.
+    pub firsts: Vec<Option<u64>>,
+    /// Whether it touches a border of the part beyond which the image goes on.
+    pub clipped: Vec<bool>,
+}
+
+impl Seen {
+    /// What is seen of the labels of a run over a part.
+    pub fn of(run: &Segmentation, part: &Part) -> Seen {
+        let (width, height, labels) = (run.width, run.height, run.sources.len() + 1);
+        let mut seen = Seen { firsts: vec![None; labels], clipped: vec![false; labels] };
+        for (y, row) in run.labels.chunks(width.max(1)).enumerate() {
+            for (x, label) in used(row) {
+                let (column, row) = part.place((x, y));
+                seen.firsts[label as usize].get_or_insert(row as u64 * part.image.0 as u64 + column as u64);
+                let ends = [(x, column, part.image.0, width), (y, row, part.image.1, height)];
+                seen.clipped[label as usize] |= ends.iter().any(|&(at, place, image, length)| {
+                    (at == 0 && place > 0) || (at + 1 == length && place + 1 < image)
+                });
+            }
+        }
+        seen
+    }
+}
+
+/// Pixels within which the background beside a source is looked for, from its bounding box.
+const BESIDE: f64 = 24.0;
+/// Kron's first moment is taken within so many times the ellipse of the second moments.
+const MOMENTS: f64 = 6.0;
+
+/// Whether something that is measured around a source, in circles of at most this radius among others, lies beyond a part
+/// of `size` where the image goes on. Places of the source are those in the image.
+pub fn is_beyond(row: &Measured, radius: f64, part: &Part, size: (usize, usize)) -> bool {
+    let kron = if row.kron_radius.is_finite() { row.kron_radius } else { 0.0 };
+    let reach = (MOMENTS * row.shape.wide_axes().0).max(kron).max(radius) + 1.0;
+    let beyond = |centre: f64, (first, last): (u32, u32), origin: usize, length: usize, image: usize| {
+        let (low, high) =
+            ((centre - reach).min(f64::from(first) - BESIDE), (centre + reach).max(f64::from(last) + BESIDE));
+        (low < origin as f64 && origin > 0) || (high > (origin + length) as f64 - 1.0 && origin + length < image)
+    };
+    beyond(row.shape.x, row.source.columns, part.origin.0, size.0, part.image.0)
+        || beyond(row.shape.y, row.source.rows, part.origin.1, size.1, part.image.1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::{Drive, Segmentation, segment};
+    use crate::pipeline::{Drive, segment};
     use skyfront_core::config::Config;
     use skyfront_core::error::Error;
     use skyfront_core::simulate::Kind as Sky;

@@ -10,7 +10,8 @@ use crate::read::Image;
 use crate::read::header::unit;
 use crate::report;
 use crate::sky::Sky;
-use crate::summary::{Part, summary};
+use crate::strips::Found;
+use crate::summary::{LabelDigest, Part, summary};
 use crate::write::fits::Writer;
 use crate::write::{Entry, Products, WriteError, wcs};
 use serde_json::json;
@@ -26,6 +27,8 @@ pub const VALUES: [&str; 2] = ["segmented.fits", "front.fits"];
 pub const SKY: [&str; 2] = ["background.fits", "noise.fits"];
 /// The front's arrival times, where they are wanted.
 pub const ARRIVAL: &str = "arrival.fits";
+/// What the values of the label map are.
+const LABELS: &str = "label, 0 = background";
 /// Names of the pictures.
 pub const PICTURES: [&str; 3] = ["stages.png", "overlay.png", report::FILE];
 
@@ -72,13 +75,9 @@ pub fn write(
     let header = header(config, input, run.arithmetic);
     let provenance = provenance(config, input, run.arithmetic);
     let (width, height) = (run.width, run.height);
-    write_plane(
-        products,
-        "segmentation.fits",
-        (width, height),
-        &with_unit(&header, "", "label, 0 = background"),
-        |first, row| copy(row, &run.labels[first..], |label| input.name_of(label) as i32),
-    )?;
+    write_plane(products, DATA[0], (width, height), &with_unit(&header, "", LABELS), |first, row| {
+        copy(row, &run.labels[first..], |label| input.name_of(label) as i32)
+    })?;
     if !request.map_only {
         let means: Vec<f32> = run.sources.iter().map(|source| source.mean()).collect();
         let mean = |label: u32| match label {
@@ -108,13 +107,7 @@ pub fn write(
     }
     write_outlines(products, config, input, run, request, &catalogue)?;
     done(&mut parts, "write catalogue");
-    let mut summary = summary(config, input, run, &parts);
-    let warnings: Vec<String> =
-        run.remarks.iter().cloned().chain(catalogue.warnings()).chain(limits(&run.outcome)).collect();
-    summary["measuring"] = catalogue.settings();
-    summary["flags"] = catalogue.flag_counts();
-    summary["result_warnings"] = json!(warnings);
-    products.write("summary.json", |out| writeln!(out, "{summary:#}"))?;
+    let (summary, warnings) = write_summary(products, summary(config, input, run, &parts), run, &catalogue)?;
     if let Some(planes) = &run.stages {
         let stages = picture::stages(config, run, planes);
         products.write("stages.png", |out| stages.write_png(out))?;
@@ -129,6 +122,77 @@ pub fn write(
         done(&mut parts, "pictures");
     }
     Ok(Written { summary, warnings, parts })
+}
+
+/// Writes the products of a run over strips under their temporary names: the labels, the catalogue and the summary.
+///
+/// # Errors
+/// The first product that could not be written.
+pub fn write_strips(
+    products: &mut Products,
+    config: &Config,
+    input: &Input,
+    found: &mut Found,
+    request: &Request,
+) -> Result<Written, WriteError> {
+    let mut parts = vec![("read".to_owned(), input.reading), ("questions".to_owned(), found.asking)];
+    parts.extend(found.run.seconds.iter().map(|(stage, time)| (format!("{stage:?}").to_lowercase(), *time)));
+    let started = Instant::now();
+    let header = with_unit(&header(config, input, found.run.arithmetic), "", LABELS);
+    let (mut digest, mut mask_pixels) = (LabelDigest::default(), 0);
+    products.write_path(DATA[0], |path| {
+        let mut writer = Writer::create(path)?;
+        let (size, mut read) = ((found.run.width, found.run.height), Ok(()));
+        writer.image(size, &header, |y, out: &mut [i32]| {
+            if read.is_ok() {
+                read = found.row(y, |row| {
+                    digest.add(row);
+                    mask_pixels += row.iter().filter(|&&label| label > 0).count() as u32;
+                    copy(out, row, |label| label as i32);
+                });
+            }
+        })?;
+        read?;
+        writer.finish()
+    })?;
+    found.run.outcome.mask_pixels = mask_pixels;
+    parts.push(("write maps".to_owned(), started.elapsed()));
+    let started = Instant::now();
+    let provenance = provenance(config, input, found.run.arithmetic);
+    for &format in &request.formats {
+        found.catalogue.write(format, &provenance, products)?;
+    }
+    parts.push(("write catalogue".to_owned(), started.elapsed()));
+    if !found.beyond.is_empty() {
+        found.run.remarks.push(format!(
+            "{} sources, or apertures around them, go on beyond the {} rows around a strip: they may differ from those in \
+             one piece; more --max-memory makes strips higher",
+            found.beyond.len(),
+            found.strips.halo
+        ));
+    }
+    let mut summary = summary(config, input, &found.run, &parts);
+    summary["labels_crc32"] = json!(digest.text());
+    summary["strips"] = json!(found.strips.count());
+    summary["beyond_strips"] = json!(found.beyond);
+    let (summary, warnings) = write_summary(products, summary, &found.run, &found.catalogue)?;
+    Ok(Written { summary, warnings, parts })
+}
+
+/// Writes the summary with what the catalogue tells, and returns it with what a user must know.
+fn write_summary(
+    products: &mut Products,
+    mut summary: serde_json::Value,
+    run: &Segmentation,
+    catalogue: &Catalogue,
+) -> Result<(serde_json::Value, Vec<String>), WriteError> {
+    let warnings: Vec<String> =
+        run.remarks.iter().cloned().chain(catalogue.warnings()).chain(limits(&run.outcome)).collect();
+    summary["measuring"] = catalogue.settings();
+    summary["flags"] = catalogue.flag_counts();
+    summary["result_warnings"] = json!(warnings);
+    products.write(DATA[1], |out| writeln!(out, "{summary:#}"))?;
+    Ok((summary, warnings))
 }
 
 /// The limits that a run has reached.

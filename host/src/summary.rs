@@ -10,15 +10,31 @@ use skyfront_core::run::outcome::StopReason;
 use std::time::Duration;
 
 /// CRC-32 of a label map's little-endian bytes: equal maps have equal digests on any machine.
-pub fn label_digest(labels: &[u32]) -> u32 {
-    let mut digest = crc32fast::Hasher::new();
-    // In pieces: a call for every label would take longer than the sum itself.
-    let mut bytes = [[0; 4]; 4096];
-    for piece in labels.chunks(bytes.len()) {
-        bytes.iter_mut().zip(piece).for_each(|(place, label)| *place = label.to_le_bytes());
-        digest.update(bytes[..piece.len()].as_flattened());
+#[derive(Clone, Debug, Default)]
+pub struct LabelDigest(crc32fast::Hasher);
+
+impl LabelDigest {
+    /// Takes in the next labels.
+    pub fn add(&mut self, labels: &[u32]) {
+        // In pieces: a call for every label would take longer than the sum itself.
+        let mut bytes = [[0; 4]; 4096];
+        for piece in labels.chunks(bytes.len()) {
+            bytes.iter_mut().zip(piece).for_each(|(place, label)| *place = label.to_le_bytes());
+            self.0.update(bytes[..piece.len()].as_flattened());
+        }
     }
-    digest.finalize()
+
+    /// The digest as summaries have it.
+    pub fn text(&self) -> String {
+        format!("{:08x}", self.0.clone().finalize())
+    }
+}
+
+/// The digest of a whole map.
+pub fn label_digest(labels: &[u32]) -> String {
+    let mut digest = LabelDigest::default();
+    digest.add(labels);
+    digest.text()
 }
 
 /// A part of a run, and the time it took.
@@ -71,7 +87,7 @@ pub fn summary(config: &Config, input: &Input, run: &Segmentation, parts: &[Part
         "sources_not_in_catalog": outcome.sources - outcome.catalogued,
         "pixels_not_labelled": outcome.unlabelled,
         "pixels_not_reached": outcome.unreached,
-        "labels_crc32": format!("{:08x}", label_digest(&run.labels)),
+        "labels_crc32": label_digest(&run.labels),
         "seconds": seconds,
     })
 }

@@ -12,8 +12,7 @@ use skyfront::background::SkyMaps;
 use skyfront::catalogue::{self, Catalogue, Request};
 use skyfront::given;
 use skyfront::input::Input;
-use skyfront::measure::Measured;
-use skyfront::mosaic::{self, Asking};
+use skyfront::mosaic::{self, Asking, Seen, is_beyond};
 use skyfront::outputs::limits;
 use skyfront::pipeline::{Drive, Segmentation, StagePlanes};
 use skyfront::planes::can_be_had;
@@ -132,50 +131,6 @@ impl Task {
     }
 }
 
-/// Of every label of a part: the index of its first pixel in the mosaic, and whether it may go on beyond the part.
-struct Seen {
-    firsts: Vec<i64>,
-    clipped: Vec<bool>,
-}
-
-impl Seen {
-    fn of(run: &Segmentation, part: &Part) -> Seen {
-        let (width, height) = (run.width, run.height);
-        let mut seen = Seen { firsts: vec![-1; run.sources.len() + 1], clipped: vec![false; run.sources.len() + 1] };
-        for (at, &label) in run.labels.iter().enumerate().filter(|(_, label)| **label > 0) {
-            let (x, y) = (at % width, at / width);
-            let (column, row) = part.place((x, y));
-            let first = &mut seen.firsts[label as usize];
-            if *first < 0 {
-                *first = (row * part.image.0 + column) as i64;
-            }
-            let ends = [(x, column, part.image.0, width), (y, row, part.image.1, height)];
-            seen.clipped[label as usize] |= ends
-                .iter()
-                .any(|&(at, place, image, length)| (at == 0 && place > 0) || (at + 1 == length && place + 1 < image));
-        }
-        seen
-    }
-}
-
-/// Pixels within which the background beside a source is looked for, from its bounding box.
-const BESIDE: f64 = 24.0;
-/// Kron's first moment is taken within so many times the ellipse of the second moments.
-const MOMENTS: f64 = 6.0;
-
-/// Whether something that is measured around a source lies beyond a part where the mosaic goes on.
-fn is_beyond(row: &Measured, aperture: f64, part: &Part, (width, height): (usize, usize)) -> bool {
-    let kron = if row.kron_radius.is_finite() { row.kron_radius } else { 0.0 };
-    let reach = (MOMENTS * row.shape.wide_axes().0).max(kron).max(aperture) + 1.0;
-    let beyond = |centre: f64, (first, last): (u32, u32), origin: usize, length: usize, image: usize| {
-        let (low, high) =
-            ((centre - reach).min(f64::from(first) - BESIDE), (centre + reach).max(f64::from(last) + BESIDE));
-        (low < 0.0 && origin > 0) || (high > length as f64 - 1.0 && origin + length < image)
-    };
-    beyond(row.shape.x, row.source.columns, part.origin.0, width, part.image.0)
-        || beyond(row.shape.y, row.source.rows, part.origin.1, height, part.image.1)
-}
-
 /// A column with the numbers that every format of the command line tells.
 fn column(catalogue: &Catalogue, column: &skyfront::catalogue::Column) -> Column {
     let cells = match &column.value {
@@ -197,7 +152,8 @@ impl Done {
         let dict = PyDict::new(py);
         if let Some(part) = &part {
             let seen = Seen::of(&run, part);
-            dict.set_item("firsts", seen.firsts.into_pyarray(py))?;
+            let firsts: Vec<i64> = seen.firsts.iter().map(|first| first.map_or(-1, |first| first as i64)).collect();
+            dict.set_item("firsts", firsts.into_pyarray(py))?;
             dict.set_item("clipped", seen.clipped.into_pyarray(py))?;
         }
         dict.set_item("labels", rows(py, take(&mut run.labels), width)?)?;
@@ -249,7 +205,7 @@ type Told = (Vec<Column>, String, Vec<String>);
 
 impl Kept {
     fn measure(&self, labels: Vec<u32>, level: Option<Plane>, noise: Option<Plane>) -> Result<Told, Failure> {
-        if self.digest != format!("{:08x}", label_digest(&labels)) {
+        if self.digest != label_digest(&labels) {
             let reason = "they were changed before the catalogue was asked for; measure(image, labels) takes any map";
             return Err(Failure::Option("labels", reason.to_owned()));
         }
@@ -262,13 +218,13 @@ impl Kept {
         let sky = level.zip(noise).map(|(level, noise)| SkyMaps { level: level.values, noise: noise.values });
         let run = Segmentation { labels, sky, ..run.clone() };
         let mut catalogue = Catalogue::of(&self.input, &run, &self.request);
+        let origin = self.part.as_ref().map_or((0, 0), |part| part.origin);
+        catalogue.rows.iter_mut().for_each(|row| row.shift(origin));
         let beyond = self.part.as_ref().map(|part| {
             let radii = self.request.extras.apertures.iter().copied();
             let reach = radii.fold(0.0, f64::max);
             catalogue.rows.iter().map(|row| i64::from(is_beyond(row, reach, part, (run.width, run.height)))).collect()
         });
-        let origin = self.part.as_ref().map_or((0, 0), |part| part.origin);
-        catalogue.rows.iter_mut().for_each(|row| row.shift(origin));
         let mut columns: Vec<_> = catalogue.columns.iter().map(|column| self::column(&catalogue, column)).collect();
         columns.extend(beyond.map(|beyond| Column {
             name: "beyond_halo".to_owned(),

@@ -4,7 +4,7 @@ use super::job::Manner;
 use super::memory::{Memory, Share, amount, need};
 use super::messages::Volume;
 use super::{Beside, Measuring, Options};
-use crate::input::Input;
+use crate::input::{Input, Maps};
 use crate::read::{HduChoice, Place};
 use anyhow::Result;
 use clap::Args;
@@ -46,6 +46,12 @@ pub struct Arguments {
     /// needs more is refused, others wait for each other [default: what container and system give].
     #[arg(long, value_name = "BYTES", value_parser = amount)]
     max_memory: Option<u64>,
+    /// Work on an image that --max-memory does not hold in strips of whole rows, as high as it allows: the same label map
+    /// and catalogue, but for sources larger than what a strip sees, which are counted and flagged truncated. FITS alone,
+    /// with the default's steps in f32 and without maps; without pictures, segmented.fits and front.fits. Takes 8 bytes
+    /// per pixel of the disk that holds --out while it runs.
+    #[arg(long)]
+    pub strips: bool,
     /// Write a line IMAGE,FOLDER for each image to this file (- is stdout) and segment none: a job list for Nextflow,
     /// HTCondor or xargs, each job of which is `skyfront segment IMAGE --out FOLDER` with options of its own.
     #[arg(long, value_name = "FILE")]
@@ -82,6 +88,16 @@ impl Arguments {
         let arithmetic = self.options.arithmetic;
         let own_time = self.options.given.get("t-max").is_some();
         Manner { arithmetic, pictures: !self.no_pictures, own_time, overwrite: self.overwrite, threads, request }
+    }
+
+    /// The HDU of the image.
+    pub fn hdu(&self) -> Option<&HduChoice> {
+        self.hdu.as_ref()
+    }
+
+    /// Whether there are maps beside the image.
+    pub fn has_maps(&self) -> bool {
+        self.beside.maps(&self.options) != Maps::default()
     }
 
     /// The memory that all runs may take.

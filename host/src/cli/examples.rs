@@ -32,6 +32,10 @@ pub const EXAMPLES: [(&str, &[(&str, &str)]); 10] = [
                 "skyfront segment image.fits --out results --columns NUMBER,X_IMAGE,Y_IMAGE,FLUX_AUTO,FLAGS",
             ),
             ("The stars of a star tracker's frame", "skyfront segment frame.fits --out stars --preset star-tracker"),
+            (
+                "A mosaic larger than memory, strip by strip",
+                "skyfront segment mosaic.fits --out results --strips --max-memory 2G",
+            ),
             ("The settings of one run for another", "skyfront segment --threshold 0.8 --dump-config"),
             ("The front of the paper", "skyfront segment image.fits --out paper --preset paper-f160"),
             (

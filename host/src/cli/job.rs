@@ -34,6 +34,13 @@ pub struct Manner {
     pub request: Request,
 }
 
+impl Manner {
+    /// The same without what needs all of an image at once.
+    pub fn in_strips(self) -> Manner {
+        Manner { pictures: false, request: Request { map_only: true, ..self.request }, ..self }
+    }
+}
+
 /// What remains of a segmented image when its planes are gone.
 pub struct Done {
     pub width: usize,

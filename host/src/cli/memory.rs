@@ -13,8 +13,8 @@ use std::sync::{Condvar, Mutex, PoisonError};
 /// The most pixels of an image: labels and places are told apart by 30 bits.
 pub const MOST_PIXELS: u64 = 1 << 30;
 /// What a run takes beside its planes: buffers, tables, the stacks of its threads.
-const BESIDE: u64 = 24_000_000;
-const MEGA: u64 = 1_000_000;
+pub const BESIDE: u64 = 24_000_000;
+pub const MEGA: u64 = 1_000_000;
 
 /// Columns and rows.
 pub type Size = (u64, u64);
@@ -70,7 +70,7 @@ fn countable(width: u64, height: u64) -> Result<u64, String> {
     width.checked_mul(height).filter(|&pixels| pixels <= MOST_PIXELS).ok_or_else(|| {
         format!(
             "{width} x {height} pixels are more than {MOST_PIXELS}, the most that can be labelled; cut the image into \
-             pieces"
+             pieces, or give --strips"
         )
     })
 }
@@ -114,7 +114,7 @@ impl Memory {
         // What the others have taken may not be in their hands yet.
         while !self.gives(*taken + need) {
             if *taken == 0 {
-                return Err(self.refusal(need, size));
+                return Err(self.refusal(need, size) + "; cut the image into pieces, or give --strips");
             }
             taken = self.given_back.wait(taken).unwrap_or_else(PoisonError::into_inner);
         }
@@ -122,17 +122,24 @@ impl Memory {
         Ok(Share { memory: self, bytes: need })
     }
 
+    /// The most bytes up to `need` that can be had.
+    pub fn most(&self, need: u64) -> u64 {
+        let wanted = self.limit.map_or(need, |limit| need.min(limit.bytes));
+        if can_be_had(wanted) { wanted } else { most_that_can_be_had(wanted) }
+    }
+
     fn gives(&self, bytes: u64) -> bool {
         self.limit.is_none_or(|limit| bytes <= limit.bytes) && can_be_had(bytes)
     }
 
-    fn refusal(&self, need: u64, (width, height): Size) -> String {
+    /// Why so many bytes cannot be had.
+    pub fn refusal(&self, need: u64, (width, height): Size) -> String {
         let limit = match self.limit {
             Some(limit) if limit.bytes < need => format!("{} {} MB", limit.set_by, limit.bytes / MEGA),
             _ => format!("the system gives {} MB", most_that_can_be_had(need) / MEGA),
         };
         let need = need.div_ceil(MEGA);
-        format!("{width} x {height} pixels need {need} MB of memory, but {limit}; cut the image into pieces")
+        format!("{width} x {height} pixels need {need} MB of memory, but {limit}")
     }
 }
 
@@ -189,7 +196,8 @@ mod tests {
     fn runs_wait_for_each_other_and_what_exceeds_the_limit_is_refused() {
         let memory = Memory::new(Some(100 * MEGA));
         let refused = memory.take(101 * MEGA, (5, 7)).err();
-        let line = "5 x 7 pixels need 101 MB of memory, but --max-memory allows 100 MB; cut the image into pieces";
+        let line = "5 x 7 pixels need 101 MB of memory, but --max-memory allows 100 MB; cut the image into \
+                    pieces, or give --strips";
         assert_eq!(refused.as_deref(), Some(line));
         let most = Mutex::new((0, 0));
         std::thread::scope(|scope| {

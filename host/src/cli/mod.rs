@@ -30,6 +30,7 @@ mod score;
 mod segment;
 mod settings;
 mod simulate;
+mod strips;
 mod table;
 
 pub use crate::truth::simulated;

@@ -5,11 +5,12 @@ use super::choices::ArithmeticOption;
 use super::job::{Done, Manner, guarded, plan, process};
 use super::messages::{Course, Volume, about_input, progress_bar, report, show};
 use super::say::{Stderr, Stdout};
-use super::{Usage, batch};
+use super::{Usage, batch, strips};
 use crate::input::Input;
 use crate::write::Products;
 use anyhow::{Result, bail};
 use skyfront_core::config::{Config, Scheme};
+use std::path::Path;
 use std::process::ExitCode;
 
 pub fn run(arguments: &Arguments) -> Result<ExitCode> {
@@ -24,16 +25,18 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
     if arguments.manner().request.sky && !config.sky.is_known() {
         bail!(Usage("--sky-maps is not used by --sky none; it needs --sky mesh or frame"));
     }
+    if arguments.strips {
+        strips::validate(arguments, &config)?;
+    }
     if let Some(list) = &arguments.job_list {
         return batch::list(arguments, list);
     }
     match arguments.images.as_slice() {
         [path] => {
-            let memory = arguments.memory();
-            let (input, _share) = arguments.read(path, &config, &memory)?;
-            let manner = arguments.manner();
-            let products = plan(&arguments.out, &manner, &[])?;
-            let done = guarded(|| segment_image(&config, &input, products, &manner, arguments.volume()))?;
+            let done = match arguments.strips {
+                true => guarded(|| strips::segment(arguments, &config, path))?,
+                false => segment_whole(arguments, &config, path)?,
+            };
             if arguments.json {
                 writeln!(Stdout, "{}", done.summary)?;
             }
@@ -41,6 +44,14 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
         _ => batch::run(arguments, &config),
     }
+}
+
+fn segment_whole(arguments: &Arguments, config: &Config, path: &Path) -> Result<Done> {
+    let memory = arguments.memory();
+    let (input, _share) = arguments.read(path, config, &memory)?;
+    let manner = arguments.manner();
+    let products = plan(&arguments.out, &manner, &[])?;
+    guarded(|| segment_image(config, &input, products, &manner, arguments.volume()))
 }
 
 /// Segments a single image and says what was done.
@@ -58,11 +69,16 @@ pub fn segment_image(
     let done = process(config, input, products, manner, &mut |progress| show(&bar, &mut course, progress));
     bar.finish_and_clear();
     let done = done?;
-    for line in report(config, name, &done, volume) {
+    told(config, name, &done, volume);
+    Ok(done)
+}
+
+/// Says what was found, and where it is.
+pub fn told(config: &Config, name: &str, done: &Done, volume: Volume) {
+    for line in report(config, name, done, volume) {
         writeln!(Stderr, "{line}");
     }
     if let Some(folder) = done.files.first().and_then(|path| path.parent()).filter(|_| volume > Volume::Quiet) {
         writeln!(Stderr, "{} files in {}", done.files.len(), folder.display());
     }
-    Ok(done)
 }

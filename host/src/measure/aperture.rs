@@ -91,24 +91,26 @@ impl Aperture {
     /// Calls `each` with every pixel of the image that may lie inside; whether the bounding box
     /// lies within the image. Cost: the pixels inside and along the border, and the rows.
     #[inline(always)]
-    pub(super) fn visit(&self, width: usize, height: usize, each: impl FnMut(Spot)) -> bool {
-        self.visit_near((width, height), f64::INFINITY, each)
+    pub(super) fn visit(&self, width: usize, rows: &Range<usize>, each: impl FnMut(Spot)) -> bool {
+        self.visit_near((width, rows), f64::INFINITY, each)
     }
 
     /// The same of the pixels nearer to the centre than `reach`, and of some others.
     #[inline(always)]
-    fn visit_near(&self, (width, height): (usize, usize), reach: f64, mut each: impl FnMut(Spot)) -> bool {
+    fn visit_near(&self, (width, rows): (usize, &Range<usize>), reach: f64, mut each: impl FnMut(Spot)) -> bool {
         let near = |(low, high): (f64, f64)| (low.max(-reach), high.min(reach));
-        let range = |centre: f64, (low, high): (f64, f64), n: usize| {
+        let range = |centre: f64, (low, high): (f64, f64), most: &Range<usize>| {
             let (low, high) = ((centre + low + 0.5).floor(), (centre + high + 0.5).ceil());
-            (low.max(0.0) as usize..(high.max(0.0) as usize).min(n), low >= 0.0 && high <= n as f64)
+            let (first, end) = (most.start as f64, most.end as f64);
+            (low.max(first) as usize..(high.max(0.0) as usize).min(most.end), low >= first && high <= end)
         };
-        let (_, inside_x) = range(self.x, (-self.half.0, self.half.0), width);
-        let (_, inside_y) = range(self.y, (-self.half.1, self.half.1), height);
-        for y in range(self.y, near((-self.half.1, self.half.1)), height).0 {
+        let columns = 0..width;
+        let (_, inside_x) = range(self.x, (-self.half.0, self.half.0), &columns);
+        let (_, inside_y) = range(self.y, (-self.half.1, self.half.1), rows);
+        for y in range(self.y, near((-self.half.1, self.half.1)), rows).0 {
             // What has a sign is converted at once.
             let dy = y as i64 as f64 - self.y;
-            for x in range(self.x, near(self.span(dy)), width).0 {
+            for x in range(self.x, near(self.span(dy)), &columns).0 {
                 each(Spot { x, y, dx: x as i64 as f64 - self.x, dy });
             }
         }
@@ -162,7 +164,7 @@ impl Aperture {
     /// flags that the pixels earn.
     pub(super) fn lights(&self, scene: &Scene<'_>, label: u32, mut each: impl FnMut(Spot, Light, f64)) -> u32 {
         let mut flags = 0;
-        let complete = self.visit(scene.width, scene.height, |spot| {
+        let complete = self.visit(scene.width, &scene.rows, |spot| {
             let share = self.share(spot.dx, spot.dy);
             if share <= 0.0 {
                 return;
@@ -187,7 +189,7 @@ impl Aperture {
         distances: Range<f64>,
         each: &mut dyn FnMut(f64, f64, f64),
     ) {
-        self.visit_near((scene.width, scene.height), distances.end, |spot| {
+        self.visit_near((scene.width, &scene.rows), distances.end, |spot| {
             if !distances.contains(&length(spot.dx, spot.dy)) {
                 return;
             }
@@ -212,7 +214,7 @@ impl Aperture {
     /// where there is no light.
     pub fn first_moment(&self, scene: &Scene<'_>, label: u32) -> Option<f64> {
         let (mut light, mut moment) = (0.0, 0.0);
-        self.visit(scene.width, scene.height, |spot| {
+        self.visit(scene.width, &scene.rows, |spot| {
             let (u, v) = self.unit(spot.dx, spot.dy);
             let square = u * u + v * v;
             if square > 1.0 {
@@ -257,7 +259,7 @@ mod tests {
     /// The pixels that are visited, and the sum of their shares.
     fn visited(aperture: &Aperture, side: usize) -> (usize, f64) {
         let (mut count, mut area) = (0, 0.0);
-        let complete = aperture.visit(side, side, |spot| {
+        let complete = aperture.visit(side, &(0..side), |spot| {
             count += 1;
             area += aperture.share(spot.dx, spot.dy);
         });
@@ -282,8 +284,8 @@ mod tests {
         for reach in [0.4, 7.0, 30.5, 61.0, 200.0] {
             let near = |spot: &Spot| length(spot.dx, spot.dy) < reach;
             let (mut all, mut some, mut count) = (Vec::new(), Vec::new(), 0);
-            ellipse.visit(200, 200, |spot| all.extend(Some(spot).filter(near).map(|spot| (spot.x, spot.y))));
-            ellipse.visit_near((200, 200), reach, |spot| {
+            ellipse.visit(200, &(0..200), |spot| all.extend(Some(spot).filter(near).map(|spot| (spot.x, spot.y))));
+            ellipse.visit_near((200, &(0..200)), reach, |spot| {
                 count += 1;
                 some.extend(Some(spot).filter(near).map(|spot| (spot.x, spot.y)));
             });

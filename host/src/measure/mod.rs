@@ -63,6 +63,8 @@ pub struct Extras<'a> {
     pub flags: u32,
     /// Threads that measure; the result does not depend on them.
     pub threads: usize,
+    /// The row of the image that the pixels begin with, where they are a strip of it: places are those in the image.
+    pub first_row: usize,
 }
 
 /// What is measured beyond the pixels of the sources; what is not wanted costs nothing and is NaN.

@@ -3,6 +3,7 @@
 use super::{Extras, Flux, Level, estimate};
 use skyfront_core::sources::flags;
 use skyfront_core::sources::measure::variance_with;
+use std::ops::Range;
 
 /// Not a flag of a source: the pixel lies along its outline.
 pub(super) const OUTLINE: u32 = 1 << 31;
@@ -80,8 +81,8 @@ pub(super) struct Light {
 pub struct Scene<'a> {
     /// Columns.
     pub width: usize,
-    /// Rows.
-    pub height: usize,
+    /// Rows that are there, by their number in the image.
+    pub rows: Range<usize>,
     pixels: &'a [f32],
     pub(super) labels: &'a [u32],
     /// Background in use.
@@ -100,7 +101,7 @@ impl<'a> Scene<'a> {
         let (background, noise) = if known { (0.0, 0.0) } else { estimate(pixels, labels) };
         Scene {
             width,
-            height,
+            rows: extras.first_row..extras.first_row + height,
             pixels,
             labels,
             background: extras.background.clone().unwrap_or(Level::Constant(background)),
@@ -114,8 +115,14 @@ impl<'a> Scene<'a> {
     /// The label of the pixel around a place; 0 outside the image.
     pub(super) fn label_at(&self, x: f64, y: f64) -> u32 {
         let (column, row) = (x.round(), y.round());
-        let inside = column >= 0.0 && row >= 0.0 && column < self.width as f64 && row < self.height as f64;
-        if inside { self.labels[row as usize * self.width + column as usize] } else { 0 }
+        let inside = column >= 0.0 && row >= 0.0 && column < self.width as f64 && self.rows.contains(&(row as usize));
+        if inside { self.labels[self.index(column as usize, row as usize)] } else { 0 }
+    }
+
+    /// The index of a pixel, by its column and row in the image.
+    #[inline(always)]
+    pub(super) fn index(&self, x: usize, y: usize) -> usize {
+        (y - self.rows.start) * self.width + x
     }
 
     /// A pixel as it is.
@@ -137,13 +144,13 @@ impl<'a> Scene<'a> {
     /// What a pixel counts in an aperture of source `label`, or the flag that says why it counts nothing.
     #[inline(always)]
     pub(super) fn light(&self, spot: Spot, label: u32) -> Result<Light, u32> {
-        self.own(spot.y * self.width + spot.x, label).or_else(|why| self.replaced(spot, label, why))
+        self.own(self.index(spot.x, spot.y), label).or_else(|why| self.replaced(spot, label, why))
     }
 
     /// What counts in place of a pixel that does not, and why.
     #[inline(never)]
     fn replaced(&self, spot: Spot, label: u32, why: u32) -> Result<Light, u32> {
-        let index = spot.y * self.width + spot.x;
+        let index = self.index(spot.x, spot.y);
         let replaced = match self.neighbours {
             Neighbours::Mask => None,
             Neighbours::Keep => self.defined(index),
@@ -171,12 +178,13 @@ impl<'a> Scene<'a> {
 
     /// The pixel on the other side of the centre.
     fn opposite(&self, spot: Spot) -> Option<usize> {
-        let mirrored = |at: usize, from: f64, n: usize| {
+        let mirrored = |at: usize, from: f64, within: &Range<usize>| {
             let place = at as i64 as f64 - 2.0 * from;
             // Rounded as it is made whole: a call for every pixel would take longer than all else.
-            (place > -0.5 && place < n as f64).then_some((place + 0.5) as i64 as usize).filter(|&place| place < n)
+            let rounded = (place > -0.5 && place < within.end as f64).then_some((place + 0.5) as i64 as usize);
+            rounded.filter(|place| within.contains(place))
         };
-        Some(mirrored(spot.y, spot.dy, self.height)? * self.width + mirrored(spot.x, spot.dx, self.width)?)
+        Some(self.index(mirrored(spot.x, spot.dx, &(0..self.width))?, mirrored(spot.y, spot.dy, &self.rows)?))
     }
 
     /// Whether a pixel reaches the saturation level.
@@ -201,18 +209,19 @@ impl<'a> Scene<'a> {
 
     /// What lies around a pixel of source `label`: flags, and whether it is on the outline.
     pub(super) fn around(&self, x: usize, y: usize, label: u32) -> u32 {
-        let (inner, at) = (x > 0 && x + 1 < self.width && y > 0 && y + 1 < self.height, y * self.width + x);
+        let inner = x > 0 && x + 1 < self.width && y > self.rows.start && y + 1 < self.rows.end;
+        let at = self.index(x, y);
         if inner && [at - 1, at + 1, at - self.width, at + self.width].iter().all(|&at| self.labels[at] == label) {
             return 0;
         }
         let mut found = 0;
         for (dx, dy) in [(1, 0), (0, 1), (usize::MAX, 0), (0, usize::MAX)] {
             let (x, y) = (x.wrapping_add(dx), y.wrapping_add(dy));
-            if x >= self.width || y >= self.height {
+            if x >= self.width || !self.rows.contains(&y) {
                 found |= flags::TRUNCATED | OUTLINE;
                 continue;
             }
-            let index = y * self.width + x;
+            let index = self.index(x, y);
             found |= match self.labels[index] {
                 same if same == label => 0,
                 0 if self.value(index).is_none() => flags::MASKED | OUTLINE,

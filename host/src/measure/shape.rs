@@ -43,12 +43,12 @@ pub struct Shape {
 pub fn sums(scene: &Scene<'_>, count: usize, threads: usize) -> Vec<Sums> {
     let mut all = vec![Sums::default(); count];
     in_groups(&mut all, threads, |first, group| {
-        for (y, row) in scene.labels.chunks(scene.width.max(1)).enumerate() {
+        for (y, row) in scene.rows.clone().zip(scene.labels.chunks(scene.width.max(1))) {
             for (x, label) in used(row) {
                 if let Some(sums) = (label as usize).checked_sub(first).and_then(|index| group.get_mut(index)) {
                     let around = scene.around(x, y, label);
                     let around = Around { flags: around & !OUTLINE, is_outline: around & OUTLINE != 0 };
-                    let pixel = pixel(scene, y * scene.width + x);
+                    let pixel = pixel(scene, scene.index(x, y));
                     sums.add((x as u32, y as u32), around, pixel, scene.gain());
                 }
             }

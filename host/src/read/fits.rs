@@ -6,7 +6,7 @@ use super::error::{Fault, ReadError};
 use super::hdu::{BLOCK, Hdu, Kind, Shape};
 use super::header::Header;
 use super::source::Source;
-use super::{Admit, Image, Wanted, pixels, tiles};
+use super::{Admit, Image, Take, Wanted, pixels, tiles};
 
 /// Reads the wanted HDU, or the first 2-D image.
 pub(super) fn read(
@@ -14,6 +14,7 @@ pub(super) fn read(
     path: &Path,
     wanted: Wanted<'_>,
     admit: &mut Admit<'_>,
+    take: &mut Option<&mut Take<'_>>,
 ) -> Result<Image, ReadError> {
     let mut seen = Vec::new();
     let mut primary = Header::default();
@@ -23,7 +24,7 @@ pub(super) fn read(
         let next = Hdu::next(&mut source, number).map_err(at((number > 0).then_some(number)))?;
         let Some(hdu) = next else { return Err(at(None)(missing(&seen, wanted))) };
         if is_wanted(&hdu, wanted) {
-            let image = read_hdu(&mut source, hdu, wanted.plane, admit).map_err(at(Some(number)))?;
+            let image = read_hdu(&mut source, hdu, wanted.plane, admit, take).map_err(at(Some(number)))?;
             let checksum = source.checksum().map_err(at(None))?;
             return Ok(Image { primary, checksum, ..image });
         }
@@ -45,9 +46,23 @@ fn is_wanted(hdu: &Hdu, wanted: Wanted<'_>) -> bool {
     }
 }
 
-fn read_hdu(source: &mut Source, hdu: Hdu, wanted: Option<usize>, admit: &mut Admit<'_>) -> Result<Image, Fault> {
+fn read_hdu(
+    source: &mut Source,
+    hdu: Hdu,
+    wanted: Option<usize>,
+    admit: &mut Admit<'_>,
+    take: &mut Option<&mut Take<'_>>,
+) -> Result<Image, Fault> {
     let not_an_image = || Fault::NotTwoDimensional(hdu.words());
-    let mut warnings = Vec::new();
+    let (mut warnings, mut is_defined) = (Vec::new(), false);
+    let any = &mut is_defined;
+    let mut watched = take.as_mut().map(|take| {
+        move |pixels: &[f32]| {
+            *any |= any_finite(pixels);
+            take(pixels)
+        }
+    });
+    let take = &mut watched.as_mut().map(|take| take as &mut Take<'_>);
     let (bitpix, plane, pixels) = match &hdu.kind {
         Kind::Array(shape) => {
             let (plane, before) = match wanted {
@@ -56,7 +71,7 @@ fn read_hdu(source: &mut Source, hdu: Hdu, wanted: Option<usize>, admit: &mut Ad
             };
             admit(plane.0, plane.1).map_err(Fault::Refused)?;
             source.skip(before)?;
-            (shape.bitpix, plane, pixels::read(source, &hdu, shape.bitpix, plane)?)
+            (shape.bitpix, plane, pixels::read(source, &hdu, shape.bitpix, plane, take)?)
         }
         Kind::Tiles(_) if wanted.is_some() => {
             return Err(Fault::Unsupported("a plane of compressed data; decompress the file by funpack".to_owned()));
@@ -64,13 +79,14 @@ fn read_hdu(source: &mut Source, hdu: Hdu, wanted: Option<usize>, admit: &mut Ad
         Kind::Tiles(shape) => {
             let plane = shape.tiled_plane().ok_or_else(not_an_image)?;
             admit(plane.0, plane.1).map_err(Fault::Refused)?;
-            let (pixels, warning) = tiles::read(source, &hdu, shape.bitpix, plane)?;
+            let (pixels, warning) = tiles::read(source, &hdu, shape.bitpix, plane, take)?;
             warnings.extend(warning);
             (shape.bitpix, plane, pixels)
         }
         Kind::Other(_) => return Err(not_an_image()),
     };
-    warnings.extend(undefined(&pixels, bitpix)?);
+    is_defined |= any_finite(&pixels);
+    warnings.extend(undefined(is_defined, bitpix)?);
     warnings.extend(hdu.header.oddities());
     let kept = match &hdu.kind {
         Kind::Array(_) if wanted.is_some() => Some([1, 2]),
@@ -102,11 +118,16 @@ fn plane_of(shape: &Shape, number: usize) -> Result<((u64, u64), u64), Fault> {
 }
 
 /// An image without any value: a broken one if its samples could hold values, an empty one if all are `BLANK`.
-fn undefined(pixels: &[f32], bitpix: i64) -> Result<Option<String>, Fault> {
-    if pixels.iter().any(|value| value.is_finite()) {
-        return Ok(None);
+fn undefined(is_defined: bool, bitpix: i64) -> Result<Option<String>, Fault> {
+    match is_defined {
+        true => Ok(None),
+        false if bitpix < 0 => Err(Fault::NothingDefined),
+        false => Ok(Some("every pixel is BLANK".to_owned())),
     }
-    if bitpix < 0 { Err(Fault::NothingDefined) } else { Ok(Some("every pixel is BLANK".to_owned())) }
+}
+
+fn any_finite(pixels: &[f32]) -> bool {
+    pixels.iter().any(|value| value.is_finite())
 }
 
 /// Passes over the data of an HDU; a file that ends there has no further HDU, which the caller will find.

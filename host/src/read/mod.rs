@@ -100,7 +100,7 @@ pub type Admit<'a> = dyn FnMut(u64, u64) -> Result<(), String> + 'a;
 /// # Errors
 /// As for [`image`], and [`Fault::Refused`].
 pub fn image_if(path: &Path, hdu: Option<&HduChoice>, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
-    read(Source::open(path), path, Wanted { hdu, plane: None }, admit)
+    read(Source::open(path), path, Wanted { hdu, plane: None }, admit, &mut None)
 }
 
 /// Reads one image from a stream of bytes, of which there are `length` if that is known; `name` is for messages.
@@ -129,8 +129,11 @@ pub fn stream_if(
     hdu: Option<&HduChoice>,
     admit: &mut Admit<'_>,
 ) -> Result<Image, ReadError> {
-    read(Source::new(input, length), name, Wanted { hdu, plane: None }, admit)
+    read(Source::new(input, length), name, Wanted { hdu, plane: None }, admit, &mut None)
 }
+
+/// Takes the values of an image piece by piece in their order.
+pub type Take<'a> = dyn FnMut(&[f32]) -> std::io::Result<()> + 'a;
 
 /// What of a file is wanted.
 #[derive(Clone, Copy, Debug)]
@@ -146,12 +149,16 @@ fn read(
     path: &Path,
     wanted: Wanted<'_>,
     admit: &mut Admit<'_>,
+    take: &mut Option<&mut Take<'_>>,
 ) -> Result<Image, ReadError> {
     let mut source = source.map_err(|fault| fault.in_file(path))?;
     let head = source.peek().map_err(|fault| fault.in_file(path))?;
     match picture::format(head) {
         Some(_) if wanted.plane.is_some() => Err(Fault::Section("a picture has no planes".to_owned()).in_file(path)),
+        Some(_) if take.is_some() => {
+            Err(Fault::Unsupported("a picture, which is read as a whole; strips need FITS".to_owned()).in_file(path))
+        }
         Some(decode) => picture::read(source, path, wanted.hdu, decode, admit),
-        None => fits::read(source, path, wanted, admit),
+        None => fits::read(source, path, wanted, admit, take),
     }
 }

@@ -1,5 +1,6 @@
 //! Stored numbers to physical values: big-endian samples, `BZERO + BSCALE * stored`, `BLANK` as NaN.
 
+use super::Take;
 use super::error::Fault;
 use super::hdu::Hdu;
 use super::header::Header;
@@ -81,8 +82,15 @@ fn number(header: &Header, keyword: &str, default: f64) -> Result<f64, Fault> {
 
 /// Reads the array that starts here into row-major f32.
 ///
-/// Memory is reserved only after the file has been found long enough, or grows with the data that arrive.
-pub(super) fn read(source: &mut Source, hdu: &Hdu, bitpix: i64, plane: (u64, u64)) -> Result<Vec<f32>, Fault> {
+/// Memory is reserved only after the file has been found long enough, or grows with the data that arrive. What `take`
+/// has taken is not kept.
+pub(super) fn read(
+    source: &mut Source,
+    hdu: &Hdu,
+    bitpix: i64,
+    plane: (u64, u64),
+    take: &mut Option<&mut Take<'_>>,
+) -> Result<Vec<f32>, Fault> {
     let scaling = Scaling::of(&hdu.header, bitpix)?;
     let size = bitpix.unsigned_abs() as usize / 8;
     let present = source.at_most_left();
@@ -93,7 +101,7 @@ pub(super) fn read(source: &mut Source, hdu: &Hdu, bitpix: i64, plane: (u64, u64
     let mut pixels = Vec::new();
     let out_of_memory = || memory(plane);
     let total = usize::try_from(promised).map_err(|_| out_of_memory())?;
-    if present.is_some() {
+    if present.is_some() && take.is_none() {
         pixels.try_reserve_exact(total / size).map_err(|_| out_of_memory())?;
         ask_for_large_pages(&mut pixels);
     }
@@ -107,6 +115,10 @@ pub(super) fn read(source: &mut Source, hdu: &Hdu, bitpix: i64, plane: (u64, u64
         }
         pixels.try_reserve(chunk.len() / size).map_err(|_| out_of_memory())?;
         decode(chunk, bitpix, scaling, &mut pixels);
+        if let Some(take) = take {
+            take(&pixels)?;
+            pixels.clear();
+        }
         left -= got;
     }
     Ok(pixels)

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::section::Section;
 use super::source::Source;
-use super::{Admit, Fault, HduChoice, Image, ReadError, Wanted, read};
+use super::{Admit, Fault, HduChoice, Image, ReadError, Take, Wanted, read};
 
 /// Where a map is: a file, and the HDU in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,15 +48,44 @@ impl Place {
     /// # Errors
     /// As [`super::image_if`]; a section that is not in the image.
     pub fn read_hdu_if(&self, hdu: Option<&HduChoice>, admit: &mut Admit<'_>) -> Result<Image, ReadError> {
+        self.read_to(hdu, admit, &mut None)
+    }
+
+    /// The same of a FITS image whose values `take` takes as they come: the image that is given back has none.
+    ///
+    /// # Errors
+    /// As [`super::image_if`]; a section, a picture, and what `take` reports.
+    pub fn hand_over(
+        &self,
+        hdu: Option<&HduChoice>,
+        admit: &mut Admit<'_>,
+        take: &mut Take<'_>,
+    ) -> Result<Image, ReadError> {
+        self.read_to(hdu, admit, &mut Some(take))
+    }
+
+    fn read_to(
+        &self,
+        hdu: Option<&HduChoice>,
+        admit: &mut Admit<'_>,
+        take: &mut Option<&mut Take<'_>>,
+    ) -> Result<Image, ReadError> {
         let parts = self.parts();
         let wanted = Wanted { hdu: parts.hdu.as_ref().or(hdu), plane: parts.section.and_then(Section::plane) };
         let source = match parts.file == Path::new("-") {
             true => Source::new(Box::new(std::io::stdin()), None),
             false => Source::open(parts.file),
         };
-        let read = |admit: &mut Admit<'_>| read(source, parts.file, wanted, admit);
-        let Some(section) = &parts.section else { return read(admit) };
-        let image = section.of(read(&mut |_, _| Ok(()))?).map_err(|fault| fault.in_file(parts.file))?;
+        let Some(section) = &parts.section else {
+            return read(source, parts.file, wanted, admit, take);
+        };
+        if take.is_some() {
+            let why = "a section, which is cut from a whole image; strips need all of it".to_owned();
+            return Err(Fault::Unsupported(why).in_file(parts.file));
+        }
+        let image = section
+            .of(read(source, parts.file, wanted, &mut |_, _| Ok(()), take)?)
+            .map_err(|fault| fault.in_file(parts.file))?;
         match admit(image.width as u64, image.height as u64) {
             Ok(()) => Ok(image),
             Err(why) => Err(Fault::Refused(why).in_file(parts.file)),

@@ -255,7 +255,7 @@ fn provenance(subject: &Subject<'_>) -> Vec<Value> {
         json!(["file", input.detected.name]),
         json!(["HDU", format!("{}{name}", image.hdu)]),
         json!(["CRC-32 of the file", format!("{:08x}", image.checksum)]),
-        json!(["CRC-32 of the labels", format!("{:08x}", crate::summary::label_digest(&run.labels))]),
+        json!(["CRC-32 of the labels", crate::summary::label_digest(&run.labels)]),
         json!(["undefined pixels", (run.width * run.height - defined).to_string()]),
         json!(["pixel values", format!("{} to {}", run.outcome.extremes.least, run.outcome.extremes.greatest)]),
     ];

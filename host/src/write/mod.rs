@@ -8,10 +8,12 @@ pub mod entry;
 mod error;
 pub mod fits;
 mod products;
+mod scratch;
 mod temporaries;
 pub mod wcs;
 
 pub use entry::{Entry, Value};
 pub use error::WriteError;
 pub use products::Products;
+pub use scratch::Scratch;
 pub use temporaries::interrupted;

@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::WriteError;
+use super::scratch::Scratch;
 use super::temporaries::{self, Begun};
 
 /// The files one run will write. Until [`publish`](Self::publish) they exist under temporary names only, beside their
@@ -59,6 +60,14 @@ impl Products {
         let probe = temporaries::create(folder).map_err(|reason| WriteError::io(folder, reason))?;
         temporaries::discard(&probe);
         Ok(products)
+    }
+
+    /// An empty file beside the products for what a run cannot keep in memory; it is never published.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`] if the folder cannot be written to.
+    pub fn scratch(&self) -> Result<Scratch, WriteError> {
+        Scratch::new(&self.folder)
     }
 
     /// Where a product will be.
@@ -174,6 +183,24 @@ mod tests {
         let error = products.write("b.txt", |_| Err(ErrorKind::StorageFull.into())).unwrap_err().to_string();
         assert!(error.contains("b.txt") && error.contains("make room"), "{error}");
         drop(products);
+        assert!(entries(&folder).is_empty());
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_scratch_holds_words_at_any_place_and_leaves_nothing_behind() {
+        let folder = folder("scratch");
+        let products = Products::plan(&folder, &[], false).unwrap();
+        let mut scratch = products.scratch().unwrap();
+        // More than goes at once, and the second half first.
+        let half = (1 << 17) + 5;
+        scratch.put(half, half as u32..2 * half as u32).unwrap();
+        scratch.put(0, 0..half as u32).unwrap();
+        let mut words = Vec::new();
+        scratch.get(1, 2 * half - 1, |word| words.push(word)).unwrap();
+        assert!(words.into_iter().eq(1..2 * half as u32));
+        assert!(scratch.get(half, half + 1, |_| {}).is_err());
+        drop((scratch, products));
         assert!(entries(&folder).is_empty());
         fs::remove_dir_all(folder).unwrap();
     }

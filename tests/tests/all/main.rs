@@ -49,6 +49,7 @@ mod sky;
 mod snapshots;
 mod sources;
 mod speed;
+mod strips;
 mod symmetry;
 mod thresholds;
 mod track;

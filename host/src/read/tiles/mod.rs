@@ -14,6 +14,7 @@ use std::io::Read;
 
 use flate2::bufread::GzDecoder;
 
+use super::Take;
 use super::error::Fault;
 use super::hdu::Hdu;
 use super::header::Header;
@@ -62,12 +63,14 @@ enum Values {
     Reals(Vec<f64>),
 }
 
-/// Reads the compressed image whose table starts here. Returns its pixels and what is to be said about them.
+/// Reads the compressed image whose table starts here. Returns its pixels, unless `take` takes them a row of tiles at a
+/// time, and what is to be said about them.
 pub(super) fn read(
     source: &mut Source,
     hdu: &Hdu,
     bitpix: i64,
     plane: (u64, u64),
+    take: &mut Option<&mut Take<'_>>,
 ) -> Result<(Vec<f32>, Option<String>), Fault> {
     let data = load(source, hdu.bytes)?;
     let count = u128::from(plane.0) * u128::from(plane.1);
@@ -86,18 +89,25 @@ pub(super) fn read(
         )));
     }
     let mut pixels = Vec::new();
-    pixels.try_reserve_exact(width * height).map_err(|_| pixels::memory(plane))?;
+    let kept = if take.is_some() { grid.tile.1 } else { height };
+    pixels.try_reserve_exact(width * kept).map_err(|_| pixels::memory(plane))?;
     if !can_be_had((grid.tile.0 * grid.tile.1) as u64 * TILE_BYTES) {
         return Err(pixels::memory(plane));
     }
-    pixels.resize(width * height, f32::NAN);
+    pixels.resize(width * kept, f32::NAN);
     let mut tile = Vec::new();
     for number in 0..grid.tiles() {
         let (x, y, columns, rows) = grid.tile(number);
         recipe.decode(&table, number, (columns, rows), &mut tile)?;
-        for (line, values) in pixels.chunks_mut(width).skip(y).zip(tile.chunks(columns)) {
+        for (line, values) in pixels.chunks_mut(width).skip(y % kept).zip(tile.chunks(columns)) {
             line[x..x + columns].copy_from_slice(values);
         }
+        if let Some(take) = take.as_mut().filter(|_| x + columns == width) {
+            take(&pixels[..width * rows])?;
+        }
+    }
+    if take.is_some() {
+        pixels.clear();
     }
     Ok((pixels, smoothing(&hdu.header)))
 }

@@ -59,6 +59,37 @@ impl Weights {
         grid: Grid,
         crew: &impl Crew,
     ) {
+        self.each_row(part, (from, to), room, (grid, crew), |ring, y, out| ring.add(y, out, None, crew));
+    }
+
+    /// Sharpens `from` into `to` as [`Weights::sharpen`] does in one plane: all rows, or some that go on where others
+    /// ended.
+    pub(crate) fn sharpen_into<L: Level>(
+        &self,
+        part: Range<usize>,
+        from: &[L],
+        room: &mut [L],
+        (to, strength): (&mut [L], f32),
+        grid: Grid,
+        crew: &impl Crew,
+    ) {
+        let gain = L::Weight::of(1.0 + strength);
+        self.each_row(part, (from, to), room, (grid, crew), |ring, y, out| {
+            let own = row_of(from, grid.width.get(), y);
+            out.iter_mut().zip(own).for_each(|(out, value)| *out = value.scaled(gain));
+            ring.add(y, out, Some(-strength), crew);
+        });
+    }
+
+    /// Makes rows of `to` from those around them in `from`.
+    fn each_row<L: Level>(
+        &self,
+        part: Range<usize>,
+        (from, to): (&[L], &mut [L]),
+        room: &mut [L],
+        (grid, crew): (Grid, &impl Crew),
+        make: impl Fn(&Ring<'_, L>, usize, &mut [L]) + Sync,
+    ) {
         let (width, rows) = (grid.width.get(), rows_of_part(&part, rows_of_band(room.len(), grid, crew), grid));
         let bands = (0..).step_by(rows).zip(to.chunks_mut((rows * width).max(1))).zip(room.chunks_mut(kept(grid)));
         crew.each(bands, |((first, to), room)| {
@@ -67,7 +98,7 @@ impl Weights {
             let out = to.chunks_exact_mut(width).skip(start - first);
             for (y, out) in (start..part.end).zip(out) {
                 ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
-                ring.add(y, out, None, crew);
+                make(&ring, y, out);
             }
         });
     }
@@ -366,6 +397,9 @@ mod tests {
         let (mut smooth, mut sharp, mut words) = (vec![9.0; from.len()], from.clone(), vec![9; mask_words(from.len())]);
         weights.apply(&from, &mut room, &mut smooth, grid, crew);
         weights.sharpen(&mut sharp, &mut room, grid, 0.5, crew);
+        let mut elsewhere = vec![9.0; from.len()];
+        weights.sharpen_into(0..height, &from, &mut room, (&mut elsewhere, 0.5), grid, crew);
+        assert!(elsewhere == sharp, "in another plane it is the same");
         weights.mark(&from, 7.0, &mut room, MaskMut(&mut words), grid, crew);
         (smooth, sharp, (0..from.len()).map(|at| Mask(&words).has(at)).collect())
     }

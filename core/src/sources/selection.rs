@@ -8,7 +8,7 @@ use crate::plane::grid::Grid;
 use crate::plane::mask::Mask;
 use crate::plane::part::{Question, Whole};
 use crate::plane::raster::Sample;
-use crate::plane::rows::{next_with, rows_of, rows_of_mut};
+use crate::plane::rows::next_with;
 use crate::plane::smooth::Weights;
 use crate::plane::sort::Keys;
 use crate::plane::walk::Walk;
@@ -223,12 +223,9 @@ fn measure_narrow<L: Level, P: Sample>(
     work: &mut Planes<'_, L>,
 ) -> Option<()> {
     let (grid, width) = (view.grid, view.grid.width.get());
-    walk.pass(grid.height, width, |rows| {
-        let matched = rows_of(work.matched, &rows, width);
-        rows_of_mut(work.narrow, &rows, width).iter_mut().zip(matched).for_each(|(narrow, matched)| *narrow = *matched);
-    })?;
     walk.pass(grid.height, 2 * width, |rows| {
-        Weights::gauss(NARROW_WIDE).sharpen_rows(rows, work.narrow, work.rows, grid, NARROW_SHARPENING, crew);
+        let (from, narrow) = (&*work.matched, (&mut *work.narrow, NARROW_SHARPENING));
+        Weights::gauss(NARROW_WIDE).sharpen_into(rows, from, work.rows, narrow, grid, crew);
     })?;
     let narrow = |at: usize| work.narrow.get(at).copied().unwrap_or(L::ZERO);
     let questions = [Question::Narrow, Question::NarrowPowers];

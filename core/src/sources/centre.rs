@@ -39,25 +39,28 @@ pub(crate) fn centre_on_light<L: Level>(
 ) -> Option<()> {
     walk.pass(regions.len(), 1, |part| {
         for region in some_of(regions, part) {
-            (region.area, region.plateau, region.offsets) = (0, 0.0, (0.0, 0.0));
+            (region.area, region.plateau, region.offsets, region.label) = (0, 0.0, (0.0, 0.0), 0);
         }
     })?;
-    let half = L::Weight::of(0.5);
+    let (half, level) = (L::Weight::of(0.5), L::Weight::of(LEVEL));
     each_pixel((walk, crew), (field.grid, labels), regions, |region, at, place| {
-        if field.at(at) > field.at(region.peak as usize).scaled(half) {
+        let peak = region.peak as usize;
+        if field.at(at) > field.at(peak).scaled(half) {
             add(field, region, at, place);
         }
+        region.label += u32::from(light.at(at) > light.at(peak).scaled(level));
     })?;
-    walk.pass(regions.len(), 8, |part| {
-        for region in some_of(regions, part).iter_mut().filter(|region| region.plateau > 0.0) {
-            let middle = middle(field, region);
-            if is_wide(region) || (region.area > FLAT_AREA && is_flat(light, region, middle)) {
-                region.centre = middle;
+    walk.pass(regions.len(), 10, |part| {
+        for region in some_of(regions, part) {
+            if region.plateau > 0.0 {
+                let middle = middle(field, region);
+                if is_wide(region) || (region.area > FLAT_AREA && is_flat(light, region, middle)) {
+                    region.centre = middle;
+                }
             }
-            region.plateau = 0.0;
+            (region.plateau, region.label) = (plateau(light, region, noise), 0);
         }
-    })?;
-    find_plateaus((walk, crew), light, labels, regions, noise)
+    })
 }
 
 /// Whether a source that has been centred is wide.
@@ -134,29 +137,11 @@ pub(crate) fn shape<L: Level>(
     })
 }
 
-/// Counts the pixels of plateaus; `area` is that above half the peak.
-fn find_plateaus<L: Level>(
-    (walk, crew): (&mut Walk, &impl Crew),
-    light: Field<'_, L>,
-    labels: &[u32],
-    regions: &mut [Region<L>],
-    noise: Noise<L>,
-) -> Option<()> {
-    let level = L::Weight::of(LEVEL);
-    each_pixel((walk, crew), (light.grid, labels), regions, |region, at, _| {
-        if light.at(at) > light.at(region.peak as usize).scaled(level) {
-            region.plateau += 1.0;
-        }
-    })?;
-    walk.pass(regions.len(), 2, |part| {
-        for region in some_of(regions, part) {
-            let top = light.at(region.peak as usize);
-            let seen = top - top.scaled(level) > noise.at(top);
-            if !seen || region.plateau < LEAST || region.plateau < SHARE * region.area as f32 {
-                region.plateau = 0.0;
-            }
-        }
-    })
+/// Pixels of the plateau that a region ends in; `area` is that above half the peak, `label` that near it.
+fn plateau<L: Level>(light: Field<'_, L>, region: &Region<L>, noise: Noise<L>) -> f32 {
+    let (top, count) = (light.at(region.peak as usize), region.label as f32);
+    let seen = top - top.scaled(L::Weight::of(LEVEL)) > noise.at(top);
+    if !seen || count < LEAST || count < SHARE * region.area as f32 { 0.0 } else { count }
 }
 
 /// Whether a region has nearly the light of its peak in its middle and opposite its peak.

@@ -36,7 +36,8 @@ pub struct Region<L: Level> {
     pub plateau: f32,
     /// 1 + the index of a pixel in the brightest part that was divided from it; 0 for none.
     pub divided: u32,
-    /// The label it ends with; while knots are looked for, that of the brightest source that it touches.
+    /// The label it ends with; while the centre is looked for, the number of its pixels that are as bright as a plateau,
+    /// and while knots are, the label of the brightest source that it touches.
     pub label: u32,
 }
 

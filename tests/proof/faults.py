@@ -72,7 +72,7 @@ FAULTS = [
     ("knots are as bright as their galaxies", "core/src/sources/knots.rs", "region.sum < <<most>> &&", "galaxy.sum", "core:sources::knots all:rules_default::a_galaxy"),
     ("a needle has an ellipse", "core/src/plane/field.rs", "(left > <<THINNEST>>)", "0.001", "core:plane::field"),
     ("a faint sharp star is a hot pixel", "core/src/sky/spike.rs", "share(SHARPEST) - L::of(<<TAKEN>>)", "0.5", "core:sky::spike all:rules_default::every_choice"),
-    ("plateaus are twice as large", "core/src/sources/centre.rs", "region.plateau < <<SHARE>> * region.area", "0.5", "core:sources::centre"),
+    ("plateaus are twice as large", "core/src/sources/centre.rs", "count < <<SHARE>> * region.area", "0.5", "core:sources::centre"),
     ("the typical source is the lower octile's", "core/src/sources/typical.rs", "least.get(<<count / 4>>)", "count / 8", "core:sources::typical"),
     ("reopened groups need no area", "core/src/sources/deblend.rs", "opening.unexplained >= <<least_area>> && is_peak", "1", "all:rules_default:: all:settings::"),
     ("the excess is not asked", "core/src/sources/deblend.rs", "L::of(<<excess>> * noise.least", "0.5 * excess", "all:rules_default:: all:settings::"),

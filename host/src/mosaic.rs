@@ -364,6 +364,32 @@ mod tests {
         }
     }
 
+    /// Of values that are cut off at the black level, or as coarse as their noise, the skewness of the noise counts.
+    #[test]
+    fn parts_of_what_is_cut_off_or_coarse_find_what_one_piece_has() {
+        for (kind, seed) in [(Sky::Noisy, 6), (Sky::Stars, 7)] {
+            let image = crate::truth::simulated(kind, seed, WIDTH, HEIGHT).0.pixels;
+            let mut sorted = image.clone();
+            sorted.sort_by(f32::total_cmp);
+            let (middle, low) = (sorted[sorted.len() / 2], sorted[sorted.len() / 6]);
+            let noises = |pixel: f32| (pixel - middle) / (middle - low);
+            let cut_off: Vec<f32> = image.iter().map(|&pixel| (8.0 * noises(pixel)).round().max(0.0)).collect();
+            let coarse: Vec<f32> = image.iter().map(|&pixel| (noises(pixel) + 20.0).round()).collect();
+            for image in [cut_off, coarse] {
+                let config = Config::NOISE_AWARE;
+                let whole = segment(&config, &image, WIDTH, HEIGHT, &mut Drive::default()).expect("an image");
+                let first = firsts_of(&whole.labels, WIDTH, |place| place);
+                let found = in_parts(&config, &image, (200, 190));
+                assert!(found.noise == whole.sky.expect("it is measured").noise, "{kind:?}");
+                assert!(
+                    found.firsts.into_iter().eq(whole.labels.iter().map(|&label| first[label as usize])),
+                    "{kind:?}"
+                );
+                assert!(whole.outcome.sources > 50);
+            }
+        }
+    }
+
     /// Most cells are crowded, and have the noise of their darkest pixels.
     #[test]
     fn parts_of_a_crowd_have_the_noise_of_one_piece() {

@@ -258,7 +258,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
     /// Goes on with a step; nothing where there is more to do.
     fn step(&mut self, stage: Stage, crew: &impl Crew) -> Result<Option<()>, Error> {
         let (round, known) = (self.round(), self.view.known.whole);
-        if let Some(whole) = known.filter(|whole| round < first_round(*whole)) {
+        if let Some(whole) = known.filter(|whole| round < first_round(*whole, self.view.values)) {
             return self.pass_over(stage, round, whole);
         }
         let Extractor { config, grid, view, work, state, .. } = self;
@@ -482,13 +482,17 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
 
 /// The first round of the sky that a part must go through: of those before, the answers are enough, but that a round
 /// needs the mask of the one before it.
-fn first_round(whole: &dyn Whole) -> u32 {
+fn first_round(whole: &dyn Whole, values: Values) -> u32 {
     let last = ROUNDS - 1;
     if whole.knows(Question::Reaches) {
         return last;
     }
-    let open = (0..last).find(|&round| !whole.knows(Question::Details(round)));
-    open.unwrap_or(last).saturating_sub(1)
+    let is_open = |round: u32| {
+        let powers = [Question::FinePowers(round), Question::DetailPowers(round)];
+        let is_skew = values.piled || values.coarse;
+        !whole.knows(Question::Details(round)) || (is_skew && !powers.into_iter().all(|powers| whole.knows(powers)))
+    };
+    (0..last).find(|&round| is_open(round)).unwrap_or(last).saturating_sub(1)
 }
 
 /// Signal-to-noise as a filter leaves it: as it is, lightly smoothed or smoothed by need.

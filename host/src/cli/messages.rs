@@ -1,6 +1,7 @@
 //! What a run says on stderr.
 
 use super::job::Done;
+use super::say::Stderr;
 use crate::input::Input;
 use crate::provenance::shortest;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -69,6 +70,16 @@ pub fn show(bar: &ProgressBar, course: &mut Course, progress: &Progress) {
     if let Progress::Working { stage, pass, .. } = progress {
         bar.set_message(format!("{stage:?}").to_lowercase());
         bar.set_position(course.position(*stage, *pass));
+    }
+}
+
+/// Says what was found, and where it is.
+pub fn told(config: &Config, name: &str, done: &Done, volume: Volume) {
+    for line in report(config, name, done, volume) {
+        writeln!(Stderr, "{line}");
+    }
+    if let Some(folder) = done.files.first().and_then(|path| path.parent()).filter(|_| volume > Volume::Quiet) {
+        writeln!(Stderr, "{} files in {}", done.files.len(), folder.display());
     }
 }
 

@@ -3,7 +3,7 @@
 use super::arguments::Arguments;
 use super::choices::ArithmeticOption;
 use super::job::{Done, Manner, guarded, plan, process};
-use super::messages::{Course, Volume, about_input, progress_bar, report, show};
+use super::messages::{Course, Volume, about_input, progress_bar, show, told};
 use super::say::{Stderr, Stdout};
 use super::{Usage, batch, strips};
 use crate::input::Input;
@@ -71,14 +71,4 @@ pub fn segment_image(
     let done = done?;
     told(config, name, &done, volume);
     Ok(done)
-}
-
-/// Says what was found, and where it is.
-pub fn told(config: &Config, name: &str, done: &Done, volume: Volume) {
-    for line in report(config, name, done, volume) {
-        writeln!(Stderr, "{line}");
-    }
-    if let Some(folder) = done.files.first().and_then(|path| path.parent()).filter(|_| volume > Volume::Quiet) {
-        writeln!(Stderr, "{} files in {}", done.files.len(), folder.display());
-    }
 }

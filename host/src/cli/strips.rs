@@ -5,9 +5,8 @@ use super::arguments::Arguments;
 use super::choices::ArithmeticOption;
 use super::job::{Done, plan};
 use super::memory::{BESIDE, MEGA};
-use super::messages::{Volume, about_input, progress_bar};
+use super::messages::{Volume, about_input, progress_bar, told};
 use super::say::Stderr;
-use super::segment::told;
 use crate::input::Input;
 use crate::outputs::{self, Written};
 use crate::read::Place;
@@ -35,8 +34,8 @@ pub fn validate(arguments: &Arguments, config: &Config) -> Result<()> {
     if request.regions || request.polygons || request.sky {
         bail!(Usage("--regions, --polygons and --sky-maps need all of an image: they do not go with --strips"));
     }
-    if arguments.images.len() > 1 {
-        bail!(Usage("--strips goes with one image"));
+    if arguments.images.len() > 1 || arguments.job_list.is_some() {
+        bail!(Usage("--strips goes with one image, and not with --job-list"));
     }
     Ok(())
 }

@@ -65,7 +65,8 @@ fn strips_have_the_files_of_one_piece_in_the_memory_that_is_told() {
 fn tiles_are_handed_over_row_by_row() {
     const SIZE: [usize; 2] = [700, 200];
     let folder = Folder::new("strips-tiles");
-    let count = |value: f32| (f64::from(value) * 5000.0).round();
+    // Cut off at the black level.
+    let count = |value: f32| (f64::from(value) * 5000.0).round().max(0.0);
     let values: Vec<f64> = sky(Kind::Noisy, 4, SIZE[1], SIZE[0]).into_iter().map(count).collect();
     for kind in compressed::KINDS.iter().filter(|kind| kind.lossless) {
         let path = folder.file(&format!("{}.fits", kind.name));

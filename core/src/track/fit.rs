@@ -405,8 +405,8 @@ mod tests {
             let star = pixels(4.0, 100.0, (13.0, 13.0));
             let mut pixels: Pixels = core::array::from_fn(|at| star[at] + (at % 2) as u16);
             let at = 5 * SIDE + 7;
+            [at - SIDE, at, at + SIDE].into_iter().for_each(|at| pixels[at - 1..=at + 1].fill(beside));
             pixels[at] = peak;
-            [at - 1, at + 1, at - SIDE, at + SIDE].into_iter().for_each(|at| pixels[at] = beside);
             fitted(&pixels, &camera(1.0), &[], |fit| fit.view.out_of(5) >> 7 & 1)
         };
         assert_eq!([left_out(23, 4), left_out(24, 4)], [0, 1]);
@@ -477,15 +477,15 @@ mod tests {
     fn errors_are_the_inverse_of_the_information() {
         fitted(&pixels(1000.0, 500.0, (10.0, 10.0)), &camera(1.0), &[], |mut fit| {
             fit.unit = 1.0 / 512.0;
-            let solution = Solution { sky: 0.0, star: 0.5, shift: (0.0, 0.0), of_star: 4.0, of_shift: (2.0, 0.5, 1.0) };
+            let solution = Solution { sky: 0.0, star: 0.5, shift: (0.0, 0.0), of_star: 4.0, of_shift: (2.0, 1.0, 4.0) };
             let star = fit.record(&Step { solution, variance: 100.0 });
-            // Of 256 counts; the determinant is 1.75.
-            let scale = 100.0 / 65_536.0 / 1.75;
+            // Of 256 counts; the determinant is 7.
+            let scale = 100.0 / 65_536.0 / 7.0;
             for (found, expected) in [
                 (star.snr, 256.0 * 0.2),
-                (star.errx2, scale),
+                (star.errx2, 4.0 * scale),
                 (star.erry2, 2.0 * scale),
-                (star.errxy, -0.5 * scale),
+                (star.errxy, -scale),
                 (star.flux, 256.0 * core::f32::consts::TAU * 4.0),
             ] {
                 assert!((found / expected - 1.0).abs() < 1e-5, "{found}, not {expected}: {star:?}");

@@ -156,5 +156,7 @@ mod tests {
             let found = speed(edge, dx, range);
             assert!((found - expected).abs() < 1e-6, "{edge:?}: {found}, not {expected}");
         }
+        // 1e-8, of which 1 in a sum with it knows nothing.
+        assert_eq!(speed(Edge::G1 { p: 20.0 }, 0.1, range), 0.0);
     }
 }

@@ -137,12 +137,24 @@ mod tests {
     }
 
     #[test]
+    fn the_widest_frame_is_the_same_from_both_ends() {
+        let columns = MOST_COLUMNS as u32;
+        for x in [0, 1, 123_457, columns / 2 - 1] {
+            assert_eq!(off_centre(x, columns), off_centre(columns - 1 - x, columns));
+        }
+        assert_eq!(off_centre(columns / 2, columns), 1.0 / 1_048_572.0);
+    }
+
+    #[test]
     fn near_objects_it_is_the_distance_to_them() {
         for (band, expected) in [(None, [1.5, 1.0, -0.5, -0.75]), (Some(2.5), [2.5, 2.0, -1.0, -1.5])] {
             let mut row = [0.0, 1.0, 4.0, 9.0];
             profile(Scheme::Fd, band).outside_row::<F32>(3.0, &mut row);
             assert_eq!(row, expected);
         }
+        let mut around = [0.0, 9.0];
+        profile(Scheme::Fd, None).around_row(4.0, &mut around);
+        assert_eq!(around, [2.0, -2.5]);
         let mut around = [0.0, 9.0];
         profile(Scheme::Fd, Some(2.5)).around_row(4.0, &mut around);
         assert_eq!(around, [4.0, -5.0]);

@@ -174,6 +174,10 @@ mod tests {
         let mut parts = changed(&rule, &old[..1], &new[..1]);
         parts.merge(&changed(&rule, &old[1..], &new[1..]));
         assert_eq!((whole, whole.crossings), (parts, 2));
+        // What is near by another rule is another change.
+        let none = |config: Config| Change::none(&StopRule::<F32>::new(&config, 1.0));
+        assert_ne!(none(PAPER), none(Config { stop: Stop::Rate, ..PAPER }));
+        assert_ne!(none(PAPER), none(Config { eps_front: 0.4, ..PAPER }));
     }
 
     #[test]

@@ -133,6 +133,9 @@ mod tests {
         let mut extremes = Extremes::NONE;
         extremes.observe(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
         assert_eq!(extremes, Extremes::NONE);
+        let mut zero = Extremes::NONE;
+        zero.observe(&[-0.0]);
+        assert_eq!([zero.least, zero.greatest].map(f32::to_bits), [0; 2]);
         extremes.observe(&[-0.0, -3.5, f32::NAN]);
         assert_eq!(extremes, Extremes { least: -3.5, greatest: 0.0, defined: 2 });
         extremes.observe(&[-2.0, 7.25, 1e-40, -1e-40]);
@@ -150,6 +153,10 @@ mod tests {
         row::<F32>(range, 0.5, &pixels, &mut image);
         assert_eq!(image, expected);
         assert_eq!([0.0, 0.25, 0.75, 1.0].map(|value| range.pixel(value)), [-2.0, 0.0, 4.0, 6.0]);
+        // The least number there is has no half, and what is less than nothing is 0 and not -0.
+        let least = f32::from_bits(1);
+        assert_eq!(Range { low: 0.0, high: least }.apply(least, 9.0), 1.0);
+        assert_eq!(Range { low: 0.0, high: FAR }.apply(-least, 9.0).to_bits(), 0);
         // From -2^127 to 2^127: the difference is no number.
         let widest = Range { low: -FAR, high: FAR };
         assert_eq!(

@@ -97,5 +97,8 @@ mod tests {
         assert_eq!(threshold(&[(10, 8), (20, 1), (30, 1)]), 11.0);
         assert_eq!(threshold(&[(10, 1), (20, 1), (30, 8)]), 21.0);
         assert_eq!((threshold(&[(10, 8)]), threshold(&[])), (0.0, 0.0));
+        // Behind the second bin there are 8 and 11 parts of 2^27 more than behind the first: the same, and more.
+        assert_eq!(threshold(&[(10, 873_000), (20, 1_000_000), (30, 872_999)]), 11.0);
+        assert_eq!(threshold(&[(10, 900_000), (20, 1_000_000), (30, 899_998)]), 21.0);
     }
 }

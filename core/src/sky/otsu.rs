@@ -90,6 +90,8 @@ mod tests {
         assert_eq!(counted(&[(10, 6), (20, 2), (200, 2)]).otsu(), 21.0 / 256.0);
         // Behind bin 10 it is 4 * 6 * 160^2, behind bin 150 it is 6 * 4 * 123.3^2.
         assert_eq!(counted(&[(10, 4), (150, 2), (180, 4)]).otsu(), 11.0 / 256.0);
+        // Behind bin 10 it is 50 * 51 * 10.4^2, behind bin 20, where the means lie farther apart, 100 * 1 * 25^2.
+        assert_eq!(counted(&[(10, 50), (20, 50), (40, 1)]).otsu(), 11.0 / 256.0);
         // The same behind both, and behind all bins between.
         assert_eq!(counted(&[(10, 1), (20, 1), (30, 1)]).otsu(), 11.0 / 256.0);
         assert_eq!((counted(&[(77, 5)]).otsu(), Histogram::EMPTY.otsu()), (0.0, 0.0));

@@ -4,13 +4,13 @@
 use crate::sky::otsu::{BINS, Histogram};
 
 impl Histogram {
-    /// The upper edge of the bin that lies farthest below the straight line from the highest bin
+    /// The upper edge of the bin (the first of equals) that lies farthest below the straight line from the highest bin
     /// (the first of equals) down to the first empty one behind the last bin in use; 0 where all
     /// values share a bin. The last bin, where clipped values gather, is no peak. Exact: the
     /// distances are compared as integers.
     pub fn rosin(&self) -> f32 {
         let (mut peak, mut height) = (0, 0);
-        for (bin, &n) in self.0.iter().enumerate().take(BINS - 1).filter(|(_, n)| **n > 0) {
+        for (bin, &n) in self.0.iter().enumerate().take(BINS - 1) {
             if n > height {
                 (peak, height) = (bin, n);
             }
@@ -47,6 +47,8 @@ mod tests {
         };
         // Times the length of the line: 1000 - 440, 900 - 110, 800 - 11, and from then on less.
         assert_eq!(corner(&[(10, 100), (11, 40), (12, 10), (13, 1), (20, 1)]), 13.0);
+        // 12 - 4 and 8 - 0.
+        assert_eq!(corner(&[(10, 4), (11, 1), (13, 1)]), 12.0);
         // The last bin is no peak, and of equal ones the first is.
         assert_eq!(corner(&[(10, 100), (255, 1000)]), 12.0);
         assert_eq!(corner(&[(10, 50), (12, 50), (30, 1)]), 12.0);

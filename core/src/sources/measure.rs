@@ -315,4 +315,57 @@ mod tests {
         let Centroid { x, y, errors, .. } = sums.centroid();
         assert!((x, y) == (5.5, 1.0) && errors.0.is_nan() && sums.total().is_nan() && sums.levels().noise.is_nan());
     }
+
+    #[test]
+    fn the_first_of_equal_peaks_is_the_peak_and_marks_are_flags() {
+        let mut sums = Sums::default();
+        for (x, value) in [(3, 4.0), (4, 6.0), (5, 6.0)] {
+            let pixel = Pixel { value, background: 2.0, noise: 0.5, is_saturated: false };
+            sums.add((x, 1), Around { flags: flags::TRUNCATED, is_outline: true }, Some(pixel), None);
+        }
+        assert_eq!(sums.peak, Some((6.0, (4, 1))));
+        sums.mark(flags::BLENDED | flags::TRUNCATED);
+        assert_eq!(sums.flags(), flags::BLENDED | flags::TRUNCATED);
+    }
+
+    /// A pixel's own width is a variance of a twelfth of the noise, 1 here.
+    #[test]
+    fn sources_within_a_pixel_are_uncertain_by_its_width() {
+        let errors = |determinant: f64, n: f64, second: (f64, f64, f64)| {
+            let light = Weighted { sum: 1.0, ..Sums::EMPTY.light };
+            let noisy = Weighted { sum: n, first: (0.0, 0.0), second };
+            Sums { light, noisy, ..Sums::EMPTY }.errors((0.0, 0.0), determinant)
+        };
+        let within = 0.001;
+        assert_eq!(errors(within, 12.0, (0.5, 0.5, 0.0)), (1.5, 1.5, 0.0));
+        assert_eq!(errors(within, 12.0, (1.5, 1.0, 0.75)), (2.5, 2.0, 0.75));
+        for (determinant, n, second) in [
+            // The light reaches beyond a pixel.
+            (1.0 / 144.0, 12.0, (0.5, 0.5, 0.0)),
+            (0.01, 12.0, (0.5, 0.5, 0.0)),
+            // The errors do.
+            (within, 12.0, (2.0, 0.5, 0.0)),
+            (within, 12.0, (1.25, 0.85, 0.1)),
+            (within, 6.0, (1.0, 0.5, 0.0)),
+        ] {
+            assert_eq!(errors(determinant, n, second), second, "{determinant}, {n}");
+        }
+    }
+
+    #[test]
+    fn light_along_a_diagonal_is_within_a_pixel_and_beside_it_is_not() {
+        let errors = |pixels: &[((u32, u32), f32)]| {
+            let mut sums = Sums::default();
+            for (at, &(place, value)) in pixels.iter().enumerate() {
+                let noise = if at == 0 { 0.5 } else { 0.0 };
+                let pixel = Pixel { value, background: 0.0, noise, is_saturated: false };
+                sums.add(place, Around::default(), Some(pixel), None);
+            }
+            sums.centroid().errors
+        };
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}, not {expected}");
+        near(errors(&[((0, 0), 4.0), ((1, 1), 4.0)]).0, 0.25 * (0.25 + 1.0 / 12.0) / 64.0);
+        // The centre is (5/9, 4/9).
+        near(errors(&[((0, 0), 4.0), ((1, 0), 1.0), ((1, 1), 4.0)]).0, 0.25 * 25.0 / 81.0 / 81.0);
+    }
 }

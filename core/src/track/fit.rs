@@ -315,7 +315,7 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
 mod tests {
     use super::*;
     use crate::arithmetic::F32;
-    use crate::plane::raster::Raster;
+    use crate::plane::raster::{BadPixel, Raster};
     use crate::track::Window;
 
     const SIDE: usize = 21;
@@ -348,17 +348,26 @@ mod tests {
         Camera { black: 0.0, gain, read_noise: 0.0, saturation: 65_000.0, psf_sigma: 2.0 }
     }
 
-    /// A star without noise on a sky of 10000 counts.
-    fn star(camera: &Camera, amplitude: f32, (x, y): (f32, f32)) -> Star {
+    type Pixels = [u16; SIDE * SIDE];
+
+    /// A star without noise on a level sky.
+    fn pixels(sky: f32, amplitude: f32, (x, y): (f32, f32)) -> Pixels {
         let bell = |d: f32| libm::expf(-0.5 * d * d / 4.0);
-        let pixels: [u16; SIDE * SIDE] = core::array::from_fn(|at| {
-            let light = amplitude * bell((at % SIDE) as f32 - x) * bell((at / SIDE) as f32 - y);
-            libm::roundf(10_000.0 + light) as u16
-        });
-        let frame = Raster::new(&pixels, SIDE, SIDE, SIDE).expect("a frame");
+        core::array::from_fn(|at| {
+            libm::roundf(sky + amplitude * bell((at % SIDE) as f32 - x) * bell((at / SIDE) as f32 - y)) as u16
+        })
+    }
+
+    /// A window that is all of its frame, ready for the first step.
+    fn fitted<T>(pixels: &Pixels, camera: &Camera, bad: &[BadPixel], look: impl FnOnce(Fit<'_, F32, u16>) -> T) -> T {
+        let frame = Raster::new(pixels, SIDE, SIDE, SIDE).expect("a frame");
         let window = Window { x: 10.0, y: 10.0, width: SIDE as u16, height: SIDE as u16 };
-        let mut view = View::new(&frame, &window, camera, &[]).expect("a view");
-        Fit::<F32, u16>::of(&mut view, camera).and_then(Fit::star).expect("a star")
+        let mut view = View::new(&frame, &window, camera, bad).expect("a view");
+        look(Fit::of(&mut view, camera).expect("light"))
+    }
+
+    fn star(camera: &Camera, amplitude: f32, place: (f32, f32)) -> Star {
+        fitted(&pixels(10_000.0, amplitude, place), camera, &[], |fit| fit.star()).expect("a star")
     }
 
     /// Pixels that sample a wide star tell what integrals over it do: information of `pi sigma^2` on the amplitude and
@@ -381,6 +390,187 @@ mod tests {
                 "{error}: {found:?}"
             );
             assert!(found.errxy.abs() < 0.02 * error, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn the_window_ends_at_three_widths() {
+        assert_eq!([0.7, 1.2, 2.0].map(|sigma| Psf::<F32>::of(sigma).reach), [3, 4, 6]);
+    }
+
+    /// A median of half a count below 5: a spike is what stands above 5 and 8 deviations of 2.14.
+    #[test]
+    fn spikes_are_told_by_the_noise_of_the_sky_and_the_slopes_of_the_psf() {
+        let left_out = |peak: u16, beside: u16| {
+            let star = pixels(4.0, 100.0, (13.0, 13.0));
+            let mut pixels: Pixels = core::array::from_fn(|at| star[at] + (at % 2) as u16);
+            let at = 5 * SIDE + 7;
+            [at - SIDE, at, at + SIDE].into_iter().for_each(|at| pixels[at - 1..=at + 1].fill(beside));
+            pixels[at] = peak;
+            fitted(&pixels, &camera(1.0), &[], |fit| fit.view.out_of(5) >> 7 & 1)
+        };
+        assert_eq!([left_out(23, 4), left_out(24, 4)], [0, 1]);
+        // Half of what the PSF has beside its middle is 0.44.
+        assert_eq!([left_out(1004, 404), left_out(1004, 504)], [1, 0]);
+    }
+
+    #[test]
+    fn it_starts_with_the_brightest_pixel_as_a_star_and_the_border_as_sky() {
+        let mut pixels: Pixels = core::array::from_fn(|at| 100 + (at % 2) as u16);
+        for (at, light) in [(9 * SIDE + 10, 600), (10 * SIDE + 10, 1000), (11 * SIDE + 10, 600)] {
+            [(at - 1, light - 200), (at, light), (at + 1, light - 200)].into_iter().for_each(|(at, v)| pixels[at] = v);
+        }
+        fitted(&pixels, &camera(1.0), &[], |fit| {
+            let [middle, ..] = fit.psf.profile(0.0, (0, 1)).light;
+            assert_eq!((fit.centre, fit.base, fit.unit), ((10.0, 10.0), 101, 1.0 / 1024.0));
+            let rest = fit.border.1.expect("a border").rest;
+            assert!(rest == -0.5 && fit.sky == rest / 1024.0, "{rest}");
+            assert!((fit.star - 899.0 / 1024.0 / (middle * middle)).abs() < 1e-6, "{}", fit.star);
+        });
+    }
+
+    #[test]
+    fn the_border_is_the_sky_where_the_star_does_not_reach() {
+        let camera = camera(1.0);
+        fitted(&pixels(1000.0, 500.0, (10.0, 10.0)), &camera, &[], |fit| assert_eq!(fit.border.0, Rectangle::NONE));
+        fitted(&pixels(1000.0, 500.0, (3.0, 10.0)), &camera, &[], |fit| {
+            assert_eq!(fit.border.0, Rectangle { columns: (0, 10), rows: (3, 17) });
+            // 80 pixels without the 15 of the first column.
+            assert_eq!(fit.border.1.map(|border| (border.base, border.rest, border.pixels)), Some((1000, 0.0, 65)));
+        });
+    }
+
+    #[test]
+    fn pixels_weigh_by_the_noise_of_sky_and_star() {
+        fitted(&pixels(1000.0, 500.0, (10.0, 10.0)), &camera(4.0), &[], |mut fit| {
+            (fit.base, fit.unit, fit.sky, fit.star) = (900, 1.0 / 512.0, 0.125, 0.5);
+            let weights = fit.weights();
+            // 900 + 64 counts of sky and 256 of the star, four electrons each, and a twelfth for whole counts.
+            let variance = 241.0 + 1.0 / 12.0;
+            let level = variance / (variance + 64.0);
+            assert!((weights.variance - variance).abs() < 1e-3, "{}", weights.variance);
+            assert!((weights.level - level).abs() < 1e-6 && (weights.rest - (1.0 - level)).abs() < 1e-6);
+        });
+    }
+
+    #[test]
+    fn the_border_tells_the_sky_as_a_median_does() {
+        fitted(&pixels(1000.0, 500.0, (10.0, 10.0)), &camera(1.0), &[], |mut fit| {
+            (fit.base, fit.unit) = (990, 1.0 / 512.0);
+            fit.border.1 = Some(Border { base: 1000, rest: 0.25, pixels: 64 });
+            let zero = Basis { sky: 0.0, star: 0.0, column: 0.0, row: 0.0 };
+            let mut equations = fit.known();
+            for basis in
+                [Basis { sky: 1.0, star: 1.0, ..zero }, Basis { column: 1.0, ..zero }, Basis { row: 1.0, ..zero }]
+            {
+                equations.add(basis, 1.0, 0.0);
+            }
+            let found = equations.solve().expect("a solution");
+            // 64 pixels of which each is worth 2 / pi, in units of an eighth; and what is left of one of the star.
+            let information = core::f32::consts::FRAC_2_PI;
+            assert!((found.of_star - information / (information + 1.0)).abs() < 1e-6, "{found:?}");
+            assert!((found.sky - 10.25 / 512.0 * 8.0).abs() < 1e-6, "{found:?}");
+        });
+    }
+
+    #[test]
+    fn errors_are_the_inverse_of_the_information() {
+        fitted(&pixels(1000.0, 500.0, (10.0, 10.0)), &camera(1.0), &[], |mut fit| {
+            fit.unit = 1.0 / 512.0;
+            let solution = Solution { sky: 0.0, star: 0.5, shift: (0.0, 0.0), of_star: 4.0, of_shift: (2.0, 1.0, 4.0) };
+            let star = fit.record(&Step { solution, variance: 100.0 });
+            // Of 256 counts; the determinant is 7.
+            let scale = 100.0 / 65_536.0 / 7.0;
+            for (found, expected) in [
+                (star.snr, 256.0 * 0.2),
+                (star.errx2, 4.0 * scale),
+                (star.erry2, 2.0 * scale),
+                (star.errxy, -scale),
+                (star.flux, 256.0 * core::f32::consts::TAU * 4.0),
+            ] {
+                assert!((found / expected - 1.0).abs() < 1e-5, "{found}, not {expected}: {star:?}");
+            }
+        });
+    }
+
+    /// Light of photons: `sum (A m)^2 / (sky + A m)`, of which a sky that is all but dark takes nothing.
+    #[test]
+    fn a_bright_star_has_the_noise_of_its_own_light() {
+        let found = fitted(&pixels(20.0, 20_000.0, (10.3, 9.6)), &camera(1.0), &[], |fit| fit.star()).expect("a star");
+        let mut square = 0.0;
+        for light in pixels(0.0, 20_000.0, (10.3, 9.6)).map(f32::from) {
+            square += light * light / (light + 20.0);
+        }
+        assert!((found.snr / libm::sqrtf(square) - 1.0).abs() < 0.05, "{found:?}: {}", libm::sqrtf(square));
+        assert!((found.x - 10.3).abs() < 5e-3 && (found.y - 9.6).abs() < 5e-3, "{found:?}");
+    }
+
+    #[test]
+    fn pixels_left_out_do_not_count() {
+        let (camera, bad) = (camera(1.0), [BadPixel { x: 12, y: 11 }, BadPixel { x: 8, y: 8 }]);
+        let mut frame = pixels(10_000.0, 3000.0, (10.3, 9.6));
+        bad.iter().for_each(|bad| frame[usize::from(bad.y) * SIDE + usize::from(bad.x)] = 0);
+        let found = fitted(&frame, &camera, &bad, |fit| fit.star()).expect("a star");
+        assert!((found.x - 10.3).abs() < 5e-3 && (found.y - 9.6).abs() < 5e-3 && found.flags == HOT, "{found:?}");
+    }
+
+    #[test]
+    fn centres_lie_within_the_window_and_stars_above_the_noise() {
+        let found =
+            |amplitude: f32, place| fitted(&pixels(10_000.0, amplitude, place), &camera(1.0), &[], |fit| fit.star());
+        for (out, within) in [
+            ((-0.8, 10.0), (-0.3, 10.0)),
+            ((20.8, 10.0), (20.3, 10.0)),
+            ((10.0, -0.8), (10.0, -0.3)),
+            ((10.0, 20.8), (10.0, 20.3)),
+        ] {
+            assert_eq!(found(5000.0, out), None, "{out:?}");
+            let star = found(5000.0, within).expect("a star");
+            assert!((star.x - within.0).abs() < 0.05 && (star.y - within.1).abs() < 0.05, "{star:?}");
+        }
+        assert_eq!(found(10.0, (10.3, 9.6)), None);
+    }
+
+    /// At least two steps, and then as long as the last one was longer than 1/512 of a pixel.
+    #[test]
+    fn steps_end_when_the_centre_has_settled() {
+        let mut taken = [0; STEPS + 1];
+        for (amplitude, place) in
+            [(1000.0, (10.0, 10.0)), (1000.0, (10.3, 9.6)), (20_000.0, (10.4, 9.5)), (3000.0, (0.2, 9.5))]
+        {
+            let (frame, camera) = (pixels(1000.0, amplitude, place), camera(1.0));
+            let (centre, steps) = fitted(&frame, &camera, &[], |mut fit| {
+                let mut steps = 0;
+                while steps < 2 || steps < STEPS && fit.moved > 1.0 / 512.0 {
+                    fit.step().expect("a step");
+                    steps += 1;
+                }
+                (fit.centre, steps)
+            });
+            let star = fitted(&frame, &camera, &[], |fit| fit.star()).expect("a star");
+            assert_eq!((star.x, star.y), centre, "{place:?}");
+            taken[steps] += 1;
+        }
+        assert!(taken[2] > 0 && taken[3] + taken[4] > 0, "{taken:?}");
+    }
+
+    /// Five deviations of sky and peak and a fifth of the peak.
+    #[test]
+    fn what_stands_above_star_and_noise_is_another_source() {
+        let (mut frame, at) = (pixels(1000.0, 400.0, (10.0, 10.0)), 6 * SIDE + 5);
+        [at - 1, at + 1, at - SIDE, at + SIDE].into_iter().for_each(|at| frame[at] = 1150);
+        let flags = |beside: u16, gain: f32| {
+            let mut frame = frame;
+            frame[at] = beside;
+            fitted(&frame, &camera(gain), &[], |mut fit| {
+                fit.centre = (10.0, 10.0);
+                (fit.base, fit.unit, fit.sky, fit.star) = (990, 1.0 / 512.0, 10.0 / 512.0, 400.0 / 512.0);
+                fit.flags() & BLENDED
+            })
+        };
+        // 80 + 5 sqrt((1000 + 400) / gain), and 2.4 of the star there.
+        for (gain, least) in [(1.0, 1270), (2.0, 1215)] {
+            assert_eq!((1150..1400).find(|beside| flags(*beside, gain) != 0), Some(least));
         }
     }
 }

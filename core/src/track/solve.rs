@@ -134,9 +134,15 @@ mod tests {
     #[test]
     fn what_pixels_are_made_of_is_found() {
         let value = |b: &Basis<f32>| 2.0 * b.sky + 3.0 * b.star + 0.5 * b.column - 0.25 * b.row;
-        let found = equations(value).solve().expect("a solution");
-        for (found, made) in [(found.sky, 2.0), (found.star, 3.0), (found.shift.0, 0.5), (found.shift.1, -0.25)] {
-            assert!((found - made).abs() < 1e-5, "{found}, not {made}");
+        // The pixels together do not tie columns to rows; one more does.
+        let tie = Basis { sky: 0.5, star: 0.25, column: 0.5, row: 0.375 };
+        let mut tied = equations(value);
+        tied.add(tie, 1.0, value(&tie));
+        for equations in [equations(value), tied] {
+            let found = equations.solve().expect("a solution");
+            for (found, made) in [(found.sky, 2.0), (found.star, 3.0), (found.shift.0, 0.5), (found.shift.1, -0.25)] {
+                assert!((found - made).abs() < 1e-5, "{found}, not {made}");
+            }
         }
     }
 

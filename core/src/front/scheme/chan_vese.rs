@@ -117,3 +117,54 @@ impl<A: Arithmetic> Evolve<A> for ChanVese<A> {
         *step = following.step;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Plane, middle, plane, swept, unchanged};
+    use super::*;
+    use crate::arithmetic::F32;
+    use crate::config::ChanVese as Weights;
+
+    const CONFIG: Config = Config {
+        dt: 0.5,
+        dx: 0.1,
+        scheme: Scheme::ChanVese,
+        chan_vese: Weights { mu: 0.02, lambda1: 2.0, lambda2: 3.0 },
+        ..Config::PAPER_F160
+    };
+
+    fn front() -> Plane {
+        plane(|x, y| 0.04 * x - 0.02 * y + 0.01 * x * y - 0.3)
+    }
+
+    /// The step of the middle under a force.
+    fn stepped(force: f32) -> f32 {
+        let [[bl, b, br], [l, centre, r], [al, a, ar]] = middle(&front());
+        Length::<F32>::new(&CONFIG).step(&Nearby { centre, sides: [l, r, b, a], corners: [bl, br, al, ar] }, force)
+    }
+
+    #[test]
+    fn the_nearer_mean_pulls_a_pixel_to_its_side() {
+        let (old, image) = (front(), plane(|x, y| 0.1 + 0.05 * x + 0.01 * y));
+        let (new, change) = swept::<ChanVese<F32>>(&CONFIG, [0.2, 0.7, 0.0, 0.0], (&old, &image), ChanVese::advance);
+        // The image is 0.4 there: 3 * 0.2^2 - 2 * 0.3^2.
+        let (found, expected) = (middle(&new)[1][1], stepped(0.5 * (0.12 - 0.18)));
+        assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+        let mut expected = unchanged(&CONFIG);
+        expected.observe(&old, &new);
+        expected.regions.observe::<F32>(&old, &new, &image);
+        assert_eq!(change, expected);
+        assert_ne!(change.regions, unchanged(&CONFIG).regions);
+    }
+
+    #[test]
+    fn a_front_follows_the_force_beside_it() {
+        let (old, force) = (front(), plane(|x, y| 0.02 * x - 0.01 * y));
+        let (new, change) = swept::<ChanVese<F32>>(&CONFIG, [0.0; 4], (&old, &force), ChanVese::follow);
+        let (found, expected) = (middle(&new)[1][1], stepped(0.05));
+        assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
+        let mut expected = unchanged(&CONFIG);
+        expected.observe(&old, &new);
+        assert_eq!(change, expected);
+    }
+}

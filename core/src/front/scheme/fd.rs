@@ -90,4 +90,9 @@ mod tests {
         scheme.row(&[&below, &[4.0, -1.0, 5.0], &above], &[0.5], &mut new);
         assert_eq!(new, [-1.0]);
     }
+
+    #[test]
+    fn a_plane_falls_by_its_slope() {
+        super::super::tests::assert_that_a_plane_falls::<Fd<F32>>(Scheme::Fd);
+    }
 }

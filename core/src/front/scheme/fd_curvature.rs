@@ -118,10 +118,10 @@ mod tests {
     fn a_value_falls_by_its_gradient_and_bends_by_its_curvature() {
         // D = (0.3, 0.4), v_xx = 0.2, v_yy = -0.2, v_xy = 0.1: 0.2 * 0.64 - 2 * 0.48 * 0.1 - 0.2 * 0.36 = -0.04, half of
         // it for nu dt / dx^2, and sqrt(0.2^2 + 0.5^2) downwind.
-        let around = [[0.1, -0.5, 0.3], [-0.2, 0.0, 0.4], [0.2, 0.3, 0.8]];
-        let expected = -0.25 * 0.5 * 0.538_516_5 - 0.5 * 0.5 * 0.04;
+        let around = [[0.1, -0.5, 0.3], [-0.2, 0.0, 0.4], [0.2, 0.3, 0.8]].map(|row| row.map(|v| 0.2 + v));
+        let expected = 0.2 - 0.25 * 0.5 * 0.538_516_5 - 0.5 * 0.5 * 0.04;
         assert!((moved(CONFIG, 0.5, around) - expected).abs() < 1e-6);
-        assert!((moved(Config { nu: 0.0, ..CONFIG }, 1.0, around) + 0.25 * 0.538_516_5).abs() < 1e-6);
+        assert!((moved(Config { nu: 0.0, ..CONFIG }, 1.0, around) - 0.2 + 0.25 * 0.538_516_5).abs() < 1e-6);
     }
 
     #[test]
@@ -134,5 +134,10 @@ mod tests {
             let (found, expected) = (moved(config, 0.5, around), fallen + 0.5 * 0.05 * bent);
             assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
         }
+    }
+
+    #[test]
+    fn a_plane_falls_by_its_slope() {
+        super::super::tests::assert_that_a_plane_falls::<FdCurvature<F32>>(Scheme::FdCurvature);
     }
 }

@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn a_value_falls_by_the_slope_of_second_order() {
         // D = (0.3, 0.4), v_xx = 0.2, v_yy = -0.2, v_xy = 0.1; g = 0.5 with Dg = (0.1, -0.15).
-        let [below, row, above] = [[0.1, -0.5, 0.3], [-0.2, 0.0, 0.4], [0.2, 0.3, 0.8]];
+        let [below, row, above] = [[0.3, -0.3, 0.5], [0.0, 0.2, 0.6], [0.4, 0.5, 1.0]];
         // Rows beside a tile are as long as the tile and a cell on either side.
         let mut speed = [0.0; 3 * (COLUMNS + 2)];
         for (cells, row) in speed.chunks_exact_mut(COLUMNS + 2).zip([[0.0, 0.7, 0.0], [0.4, 0.5, 0.6], [0.0, 0.4, 0.0]])
@@ -143,9 +143,14 @@ mod tests {
         scheme(0.04, 0.1).row(&[&below, &row, &above], &speed, &mut new);
         // n.D^2v n = 0.2 * 0.36 - 0.2 * 0.64 + 2 * 0.48 * 0.1 = 0.04, and Dg.Dv = -0.03.
         let slope = 0.5 - 0.2 * (0.5 * 0.04 - 0.03);
-        assert!((new[0] + 0.4 * 0.5 * slope).abs() < 1e-6, "{new:?}");
+        assert!((new[0] - 0.2 + 0.4 * 0.5 * slope).abs() < 1e-6, "{new:?}");
         // On a top there is no direction: upwind.
         scheme(0.04, 0.1).row(&[&[0.0, -0.3, 0.0], &[-0.4, 0.0, -0.4], &[0.0, -0.3, 0.0]], &speed, &mut new);
         assert!((new[0] + 0.4 * 0.5 * 0.5 * core::f32::consts::SQRT_2).abs() < 1e-6, "{new:?}");
+    }
+
+    #[test]
+    fn a_plane_falls_by_its_slope() {
+        super::super::tests::assert_that_a_plane_falls::<FdFiltered<F32>>(Scheme::FdFiltered);
     }
 }

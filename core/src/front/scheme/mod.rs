@@ -154,6 +154,64 @@ fn corners<'a, C: Copy>(old: &[&'a [C]; 3]) -> impl Iterator<Item = [C; 4]> + us
 mod tests {
     use super::*;
     use crate::arithmetic::F32;
+    use crate::front::stop::StopRule;
+    use crate::plane::sweep::{Halo, ring_len};
+    use crate::plane::tiles::{flags_len, rows_of_tile};
+
+    /// Rows and columns of a frame, and what the widest window keeps of it.
+    const SIDE: usize = 12;
+    const RING: usize = ring_len(SIDE, 11);
+
+    /// A plane of a frame.
+    pub type Plane = [f32; SIDE * SIDE];
+
+    /// A plane by column and row.
+    pub fn plane(value: impl Fn(f32, f32) -> f32) -> Plane {
+        core::array::from_fn(|at| value((at % SIDE) as f32, (at / SIDE) as f32))
+    }
+
+    /// A plane's value at (5, 5), with those around.
+    pub fn middle(plane: &Plane) -> [[f32; 3]; 3] {
+        core::array::from_fn(|y| core::array::from_fn(|x| plane[(4 + y) * SIDE + 4 + x]))
+    }
+
+    /// What a sweep does to a front beside another plane, and what it notes of that.
+    pub fn swept<S: Evolve<F32>>(
+        config: &Config,
+        means: [f32; 4],
+        (old, aux): (&Plane, &Plane),
+        sweep: impl Fn(&S, &mut Band<'_, f32>, &mut Tiles<'_>, Range<usize>, &mut Step<F32>),
+    ) -> (Plane, Change<F32>) {
+        let scheme = S::new(config, 1.0).expect("its scheme");
+        let (mut new, mut ring, mut flags) = (*old, [0.0; RING], [0; flags_len(SIDE, SIDE)]);
+        let ring = &mut ring[..ring_len(SIDE, scheme.window())];
+        let mut tiles = Tiles::new(&mut flags, SIDE, rows_of_tile(SIDE));
+        tiles.wake();
+        let mut step = Step { settle: Settle::new(None), change: unchanged(config), means: Means::of(means) };
+        let mut band = Band { plane: &mut new, aux, ring, width: SIDE, halo: Halo::NONE };
+        sweep(&scheme, &mut band, &mut tiles, 0..SIDE, &mut step);
+        (new, step.change)
+    }
+
+    pub fn unchanged(config: &Config) -> Change<F32> {
+        Change::none(&StopRule::new(config, 1.0))
+    }
+
+    /// Without curvature every scheme lowers a front that rises by 0.3 per pixel by `dt/dx g 0.3`.
+    pub fn assert_that_a_plane_falls<S: Evolve<F32>>(scheme: Scheme) {
+        let config = Config { dt: 0.02, dx: 0.1, nu: 0.2, ..Config::PAPER_F160.with_scheme(scheme) };
+        let old = plane(|x, _| 0.3 * x - 1.5);
+        let (new, change) = swept::<S>(&config, [0.0; 4], (&old, &[0.5; SIDE * SIDE]), S::advance);
+        let [_, [left, centre, right], _] = middle(&new);
+        for (found, before) in [(left, -0.3), (centre, 0.0), (right, 0.3)] {
+            assert!((found - (before - 0.2 * 0.5 * 0.3)).abs() < 1e-6, "{scheme:?}: {before} became {found}");
+        }
+        let mut expected = unchanged(&config);
+        expected.observe(&old, &new);
+        assert_eq!((change, change.sum > 0), (expected, true), "{scheme:?}");
+        let other = if scheme == Scheme::Fd { Scheme::Sl } else { Scheme::Fd };
+        assert_eq!(S::new(&Config::PAPER_F160.with_scheme(other), 1.0).err(), Some(other));
+    }
 
     #[test]
     fn what_is_flat_is_told_in_pixels_and_units_of_the_plane() {

@@ -120,4 +120,33 @@ mod tests {
             assert!((moved(other) - 0.1 * force * of_force).abs() < 1e-6, "{other}: {}", moved(other));
         }
     }
+
+    /// Both fronts of a pixel whose four squared differences from the means are told by hand.
+    #[test]
+    fn each_front_moves_beside_the_other() {
+        use super::super::tests::{middle, plane, swept, unchanged};
+        let chan_vese = crate::config::ChanVese { mu: 0.02, ..Config::PAPER_F160.chan_vese };
+        let config = Config { dt: 0.5, dx: 0.1, chan_vese, ..Config::PAPER_F160.with_scheme(Scheme::Multiphase) };
+        let fronts = |x: f32, y: f32| [0.03 * x - 0.02 * y + 0.25, 0.01 * x + 0.04 * y - 0.75];
+        let old = plane(|x, y| pair::cell(fronts(x, y)));
+        let image = plane(|x, y| 0.06 * x + 0.02 * y);
+        let means = [0.1, 0.2, 0.8, 0.6];
+        let (new, change) = swept::<Multiphase<F32>>(&config, means, (&old, &image), Multiphase::advance);
+        let around = middle(&old).map(|row| row.map(pair::values::<f32>));
+        let near = |of: usize| {
+            let [[bl, b, br], [l, centre, r], [al, a, ar]] = around.map(|row| row.map(|values| values[of]));
+            Nearby { centre, sides: [l, r, b, a], corners: [bl, br, al, ar] }
+        };
+        let length = Length::<F32>::new(&config);
+        // The image is 0.4: outside both 0.09, in the first alone 0.04, in both 0.16, in the second alone 0.04.
+        let v = length.step(&near(0), 0.25 * ((1.0 - 0.5) * (0.04 - 0.16) + (1.0 + 0.5) * (0.09 - 0.04)));
+        let w = length.step(&near(1), 0.25 * ((1.0 + v) * (0.04 - 0.16) + (1.0 - v) * (0.09 - 0.04)));
+        let found = pair::values::<f32>(middle(&new)[1][1]);
+        assert!((found[0] - v).abs() < 4e-5 && (found[1] - w).abs() < 6e-5, "{found:?}, not {v} and {w}");
+        let mut expected = unchanged(&config);
+        expected.observe_pairs(&old, &new);
+        expected.regions.observe_pairs::<F32>(&old, &new, &image);
+        assert_eq!(change, expected);
+        assert_ne!((change.sum, change.regions), (0, unchanged(&config).regions));
+    }
 }

@@ -131,6 +131,9 @@ mod tests {
             assert!((least::<3>(axis) - 1.6).abs() < 1e-6, "{axis:?}");
         }
         assert_eq!(least::<3>([0.0, 0.0]), 2.0);
+        // On a crest, half as steep to the left and below as it rises beyond: along the diagonal between these two.
+        let found = Sl::<F32, 3>::with_reach(0.8).least_within(2.0, 0.4, [-0.5, 1.0, -0.5, 1.0], [-1.0, 0.5, 0.5, 2.0]);
+        assert!((found - (2.0 - 0.4 * core::f32::consts::FRAC_1_SQRT_2)).abs() < 1e-6, "{found}");
     }
 
     #[test]
@@ -150,5 +153,10 @@ mod tests {
         let row = [1.0, 2.0, 3.0];
         scheme.row(&[&row, &row, &row], &[0.6], &mut new);
         assert!((new[0] - (2.0 - 0.5 * 0.6)).abs() < 1e-6, "{new:?}");
+    }
+
+    #[test]
+    fn a_plane_falls_by_its_slope() {
+        super::super::tests::assert_that_a_plane_falls::<Sl<F32>>(Scheme::Sl);
     }
 }

@@ -160,6 +160,30 @@ mod tests {
     }
 
     #[test]
+    fn between_pixels_it_is_bilinear() {
+        let value = |x: f32, y: f32| 0.1 * x + 0.03 * y + 0.02 * x * x - 0.013 * y * y + 0.017 * x * y + 0.5;
+        let rows: [[f32; WINDOW]; WINDOW] = core::array::from_fn(|y| {
+            core::array::from_fn(|x| value(x as f32 - RADIUS as f32, y as f32 - RADIUS as f32))
+        });
+        let view = View::<F32> { old: &core::array::from_fn(|y| &rows[y][..]), x: 0, v: 0.5 };
+        for (x, y) in [(1.4, -1.05), (-1.4, 1.05), (0.3, 0.6), (-2.7, -4.3), (4.6, 3.0), (0.0, 5.0), (-5.0, 0.0)] {
+            let (left, below) = (libm::floorf(x), libm::floorf(y));
+            let along = |y: f32| value(left, y) + (x - left) * (value(left + 1.0, y) - value(left, y));
+            let expected = along(below) + (y - below) * (along(below + 1.0) - along(below)) - 0.5;
+            assert!((view.interpolate(x, y) - expected).abs() < 1e-5, "{x}, {y}: {expected}");
+        }
+    }
+
+    #[test]
+    fn the_front_comes_from_every_corner() {
+        for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
+            let corner = |at_x: f32, at_y: f32| if (at_x, at_y) == (x, y) { 1.0 } else { 2.0 };
+            let found = moved(CurvatureForm::Consistent, 0.0, 0.8, corner);
+            assert!((found - (2.0 - 0.5 * 0.4 * 0.4)).abs() < 1e-6, "{x}, {y}: {found}");
+        }
+    }
+
+    #[test]
     fn where_it_is_flat_the_four_neighbours_count() {
         let bowl = |x: f32, y: f32| 2.0 + 0.1 * x * x + 0.3 * y * y;
         // The sum over the neighbours is 0.8, and with the pixel's own value, as printed, four of it more.
@@ -175,5 +199,10 @@ mod tests {
         {
             assert!((found - expected).abs() < 1e-6, "{scheme:?}");
         }
+    }
+
+    #[test]
+    fn a_plane_falls_by_its_slope() {
+        super::super::tests::assert_that_a_plane_falls::<SlCurvature<F32>>(Scheme::SlCurvature);
     }
 }

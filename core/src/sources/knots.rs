@@ -167,18 +167,18 @@ mod tests {
         libm::expf(-off * off / 2.0)
     }
 
-    /// How many of three knots, of so much light at the peak and nine pixels, are joined to a host of that light by distance
+    /// How many of three knots, of so much light at the peak and so wide (1: nine pixels), are joined to a host of that light by distance
     /// from the middle of the frame, of which a peak that many columns to the right is known.
-    fn joined<L: Level>(host: Light, right: usize, peak: f32, least: u32, cells: usize) -> usize {
+    fn joined<L: Level>(host: Light, right: usize, (peak, width): (f32, f32), least: u32, cells: usize) -> usize {
         let place = |at: usize| ((at % SIDE) as f32, (at / SIDE) as f32);
         let near = |at: usize| KNOTS.map(|(x, y)| libm::hypotf(place(at).0 - x, place(at).1 - y));
         let light = |at: usize| {
             let far = libm::hypotf(place(at).0 - 32.0, place(at).1 - 32.0);
-            host(far) + near(at).map(|off| peak * knot(off)).iter().sum::<f32>()
+            host(far) + near(at).map(|off| peak * knot(off / width)).iter().sum::<f32>()
         };
         let mut values: Vec<L> = (0..SIDE * SIDE).map(|at| L::of(light(at))).collect();
         values[32 * SIDE + 32 + right] = values[32 * SIDE + 32];
-        let label = |at: usize| match near(at).iter().position(|&off| off < 2.0) {
+        let label = |at: usize| match near(at).iter().position(|&off| off < 2.0 * width) {
             Some(knot) => knot as u32 + 2,
             None => u32::from(light(at) > FAINT),
         };
@@ -203,6 +203,10 @@ mod tests {
     }
 
     fn both(host: Light, right: usize, peak: f32, least: u32) -> usize {
+        wide(host, right, (peak, 1.0), least)
+    }
+
+    fn wide(host: Light, right: usize, peak: (f32, f32), least: u32) -> usize {
         let found = joined::<f32>(host, right, peak, least, usize::MAX);
         assert_eq!(joined::<Fixed14>(host, right, peak, least, usize::MAX), found);
         assert_eq!(joined::<f32>(host, right, peak, least, 1), found);
@@ -218,6 +222,21 @@ mod tests {
     fn what_is_too_faint_or_too_bright_is_no_knot() {
         // The galaxy has 20 000, a knot 4.9 times its peak and 7.
         assert_eq!([1.0, 3.5, 26.0, 29.0].map(|peak| both(galaxy, 0, peak, 3)), [0, 3, 3, 0]);
+    }
+
+    #[test]
+    fn of_several_neighbours_the_brightest_is_known() {
+        for labels in [[2, 1, 3], [3, 1, 2]] {
+            let mut regions = [5.0, 7.0, 9.0].map(|sum| Region::<f32> { sum, ..Region::BLANK });
+            meet(0, 3, &labels, &mut regions);
+            assert_eq!(regions.map(|region| region.label), [3, 1, 1]);
+        }
+    }
+
+    #[test]
+    fn what_is_as_wide_as_a_galaxy_is_no_knot() {
+        // Extents of 20 and 27 pixels.
+        assert_eq!([1.7, 2.0].map(|width| wide(galaxy, 0, (3.0, width), 3)), [3, 0]);
     }
 
     #[test]

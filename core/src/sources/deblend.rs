@@ -12,6 +12,7 @@ use crate::plane::rows::{last_with, next_with, rows_of_mut, sweep, whole_piece};
 use crate::plane::walk::Walk;
 use crate::sky::photon::grown;
 use crate::sources::centre::is_wide;
+use crate::sources::pieces::index;
 use crate::sources::tree::{Count, Noise, Region};
 use crate::sources::typical::Typical;
 use core::ops::Range;
@@ -28,8 +29,9 @@ fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
 }
 
-fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
-    regions.get((label as usize).wrapping_sub(1))
+/// The region with a label.
+pub(crate) fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
+    regions.get(index(label))
 }
 
 fn centre_of<L: Level>(regions: &[Region<L>], label: u32) -> (L, L) {
@@ -350,7 +352,7 @@ fn is_peak<L: Level>(field: Field<'_, L>, noise: Noise<L>, at: usize) -> bool {
 /// Makes a group of pixels the region with index `count`, divided from its host.
 fn add<L: Level>(field: Field<'_, L>, group: Region<L>, host: u32, regions: &mut [Region<L>], count: usize) {
     let mut divided = 0;
-    if let Some(host) = regions.get_mut((host as usize).wrapping_sub(1)) {
+    if let Some(host) = regions.get_mut(index(host)) {
         divided = host.peak.saturating_add(1);
         host.divide(field, group.peak);
     }

@@ -6,9 +6,11 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::field::Field;
-use crate::plane::rows::{next_with, row_of};
+use crate::plane::rows::{next_with, row_of, used};
 use crate::plane::walk::Walk;
 use crate::sources::centre::each_pixel;
+use crate::sources::deblend::region_of;
+use crate::sources::pieces::index;
 use crate::sources::tree::Region;
 
 /// A galaxy has the light of more than so many pixels like its brightest.
@@ -57,21 +59,24 @@ pub(crate) fn join<L: Level>(
     })?;
     walk.pass(field.grid.height, width, |rows| rows.for_each(|y| meet(y, width, labels, regions)))?;
     walk.pass(count, 1, |part| {
-        for index in part {
-            let galaxy = galaxy_of(field, regions, index).unwrap_or(0);
-            if let Some(galaxy) = index_of(galaxy).and_then(|galaxy| regions.get_mut(galaxy)) {
+        for place in part {
+            let galaxy = galaxy_of(field, regions, place).unwrap_or(0);
+            if let Some(galaxy) = regions.get_mut(index(galaxy)) {
                 galaxy.area += 1;
+            }
+            if let Some(region) = regions.get_mut(place) {
+                region.label = galaxy;
             }
         }
     })?;
     walk.tally(count, 1, |tally, part| {
         tally.count = if part.start == 0 { 0 } else { tally.count };
-        for index in part {
-            let knots = |galaxy: u32| region_of(regions, galaxy).map_or(0, |galaxy| galaxy.area);
-            let galaxy = galaxy_of(field, regions, index).filter(|&galaxy| knots(galaxy) >= least);
-            tally.count += usize::from(galaxy.is_some());
-            if let Some(region) = regions.get_mut(index) {
-                region.label = galaxy.unwrap_or(index as u32 + 1);
+        for place in part {
+            let galaxy = regions.get(place).and_then(|region| region_of(regions, region.label));
+            if galaxy.is_some_and(|galaxy| galaxy.area >= least) {
+                tally.count += 1;
+            } else if let Some(region) = regions.get_mut(place) {
+                region.label = place as u32 + 1;
             }
         }
     })?;
@@ -84,14 +89,6 @@ pub(crate) fn join<L: Level>(
             }
         }
     })
-}
-
-fn index_of(label: u32) -> Option<usize> {
-    (label as usize).checked_sub(1)
-}
-
-fn region_of<L: Level>(regions: &[Region<L>], label: u32) -> Option<&Region<L>> {
-    regions.get(index_of(label)?)
 }
 
 /// The light of a region in that of its brightest pixel.
@@ -109,11 +106,9 @@ fn is_galaxy<L: Level>(field: Field<'_, L>, region: &Region<L>) -> bool {
 /// Lets sources that touch along an edge, within a row or between it and the next, know of each other.
 fn meet<L: Level>(y: usize, width: usize, labels: &[u32], regions: &mut [Region<L>]) {
     let (row, above) = (row_of(labels, width, y), row_of(labels, width, y + 1));
-    let (mut next, mut met) = (0, [0; 2]);
-    while let Some(x) = next_with(row, next, u32::MAX) {
-        next = x + 1;
-        let own = row.get(x).copied().unwrap_or(0);
-        for near in [row.get(next), above.get(x)].into_iter().flatten().copied() {
+    let mut met = [0; 2];
+    for (x, own) in used(row) {
+        for near in [row.get(x + 1), above.get(x)].into_iter().flatten().copied() {
             if near != 0 && near != own && met != [own, near] {
                 met = [own, near];
                 remember(regions, own, near);
@@ -128,7 +123,7 @@ fn remember<L: Level>(regions: &mut [Region<L>], own: u32, other: u32) {
     let light_of = |label: u32| region_of(regions, label).map(|region| region.sum);
     let known = region_of(regions, own).and_then(|own| light_of(own.label));
     if known.is_none_or(|known| light_of(other).is_some_and(|other| other > known))
-        && let Some(own) = index_of(own).and_then(|own| regions.get_mut(own))
+        && let Some(own) = regions.get_mut(index(own))
     {
         own.label = other;
     }
@@ -167,8 +162,8 @@ mod tests {
         libm::expf(-off * off / 2.0)
     }
 
-    /// How many of three knots, of so much light at the peak and so wide (1: nine pixels), are joined to a host of that light by distance
-    /// from the middle of the frame, of which a peak that many columns to the right is known.
+    /// How many of three knots, of so much light at the peak and so wide (1: nine pixels), are joined to a host of that
+    /// light by distance from the middle of the frame, of which a peak that many columns to the right is known.
     fn joined<L: Level>(host: Light, right: usize, (peak, width): (f32, f32), least: u32, cells: usize) -> usize {
         let place = |at: usize| ((at % SIDE) as f32, (at / SIDE) as f32);
         let near = |at: usize| KNOTS.map(|(x, y)| libm::hypotf(place(at).0 - x, place(at).1 - y));

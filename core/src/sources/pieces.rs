@@ -54,7 +54,8 @@ impl Joining {
     }
 }
 
-fn index(label: u32) -> usize {
+/// Where the region with a label is in the table; for 0 beyond it.
+pub(crate) fn index(label: u32) -> usize {
     (label as usize).wrapping_sub(1)
 }
 

@@ -151,6 +151,8 @@ pub(crate) struct Opening<L: Level> {
     unexplained: u32,
     /// The group as a region.
     group: Region<L>,
+    /// Whether one of its pixels is a maximum of the plane.
+    has_maximum: bool,
     /// Whether it becomes one.
     is_new: bool,
 }
@@ -164,6 +166,7 @@ impl<L: Level> Opening<L> {
         beside: 0,
         unexplained: 0,
         group: Region::BLANK,
+        has_maximum: false,
         is_new: false,
     };
 
@@ -175,6 +178,7 @@ impl<L: Level> Opening<L> {
             codec.word(word)?;
         }
         self.group.code(codec)?;
+        codec.flag(&mut self.has_maximum)?;
         codec.flag(&mut self.is_new)
     }
 }
@@ -240,15 +244,20 @@ pub(crate) fn reopen<L: Level>(
                 .filter(|&at| significant(at, explained(at)) && !is_of_host(at));
             opening.unexplained = before.saturating_add(unexplained.count() as u32);
         })?;
-        walk.pass(known, 2, |part| {
+        walk.pass(known, 4, |part| {
             if part.start == 0 {
-                opening.group = Region { peak: first as u32, ..Region::BLANK };
+                (opening.group, opening.has_maximum) = (Region { peak: first as u32, ..Region::BLANK }, false);
             }
-            opening.group = brightest(field, centre_of(regions, opening.host), opening.group, group(part));
+            let pixels = group(part);
+            opening.group = brightest(field, centre_of(regions, opening.host), opening.group, pixels);
+            opening.has_maximum = opening.has_maximum || pixels.iter().any(|&at| is_maximum(field, at as usize));
         })?;
-        walk.once(8, || {
+        walk.once(16, || {
             let Opening { host, group, count, .. } = opening;
-            let is_source = opening.unexplained >= least_area && is_peak(field, noise, group.peak as usize);
+            let peak = group.peak as usize;
+            let has_peak = is_peak(field, noise, peak)
+                && (opening.has_maximum || is_greatest(field, centre_of(regions, *host), peak));
+            let is_source = opening.unexplained >= least_area && has_peak;
             opening.is_new = is_source && count.regions < regions.len();
             if opening.is_new {
                 add(field, *group, *host, regions, count.regions);
@@ -347,6 +356,17 @@ fn is_peak<L: Level>(field: Field<'_, L>, noise: Noise<L>, at: usize) -> bool {
     let centre = field.place(at);
     let around = field.around(centre, (centre.0 + L::of(AROUND), centre.1));
     field.at(at) - around > noise.at(field.at(at)).scaled(L::Weight::of(PEAK))
+}
+
+/// Whether no neighbour of a pixel is brighter.
+fn is_maximum<L: Level>(field: Field<'_, L>, at: usize) -> bool {
+    field.grid.touching(at, 8).all(|near| field.at(near) <= field.at(at))
+}
+
+/// Whether no neighbour of a pixel has more light beyond the mirrored host's: on the flank of a lopsided star this rises
+/// on towards the star.
+fn is_greatest<L: Level>(field: Field<'_, L>, host: (L, L), at: usize) -> bool {
+    field.grid.touching(at, 8).all(|near| excess(field, host, near) <= excess(field, host, at))
 }
 
 /// Makes a group of pixels the region with index `count`, divided from its host.
@@ -706,12 +726,13 @@ mod tests {
 
     #[test]
     fn a_small_knot_is_of_its_galaxy_unless_it_outshines_it_and_a_star_has_none() {
-        // In its middle it has so many times the light of its host.
+        // In its middle it has so many times the light of its host, and beyond it a pixel that is a maximum.
         let knot = |times: f32, width: f32| {
             move |x: f32, y: f32| {
                 let squared = |centre: f32| (x - centre) * (x - centre) + (y - 32.0) * (y - 32.0);
                 let host = 1000.0 * libm::expf(-squared(32.0) / 18.0);
-                host * (times - 1.0) * libm::expf(-squared(41.0) / (2.0 * width * width))
+                let maximum = if (x, y) == (43.0, 32.0) { 30.0 } else { 0.0 };
+                maximum + host * (times - 1.0) * libm::expf(-squared(41.0) / (2.0 * width * width))
             }
         };
         let [wide, narrow] = [51, 50];
@@ -721,5 +742,21 @@ mod tests {
         assert_eq!(both(narrow, &knot(3.4, 1.5)), [1; 2]);
         assert_eq!(both(wide, &knot(8.0, 1.5)), [1; 2]);
         assert_eq!(both(wide, &knot(3.4, 4.0)), [1; 2]);
+    }
+
+    #[test]
+    fn the_flank_of_a_lopsided_star_is_no_source_and_a_companions_shoulder_is_one() {
+        // To the right of the star, without a maximum of its own in either.
+        let flank = |x: f32, y: f32| {
+            let (dx, dy) = (x - 32.0, y - 32.0);
+            let (squared, to_the_right) = (dx * dx + dy * dy, 0.5 + 0.5 * dx / (libm::hypotf(dx, dy) + 1.0));
+            120.0 * to_the_right * to_the_right * libm::expf(-squared / 50.0)
+        };
+        let shoulder = |x: f32, y: f32| 22.0 * libm::expf(-((x - 41.0) * (x - 41.0) + (y - 32.0) * (y - 32.0)) / 4.5);
+        assert_eq!([opened::<f32>(9, flank), opened::<Fixed14>(9, flank)], [0; 2]);
+        assert_eq!([opened::<f32>(9, shoulder), opened::<Fixed14>(9, shoulder)], [1; 2]);
+        // Where the flank is not the companion's own.
+        let on_the_flank = |x: f32, y: f32| flank(x, y) + 3.0 * shoulder(x, y);
+        assert_eq!([opened::<f32>(9, on_the_flank), opened::<Fixed14>(9, on_the_flank)], [1; 2]);
     }
 }

@@ -164,7 +164,14 @@ impl Scene<'_> {
             |at: usize| self.image.values()[at] - mirrored(self.image, host.centre, self.place(at)).unwrap_or(0.0);
         let peak = group.iter().copied().reduce(|best, at| if excess(at) > excess(best) { at } else { best });
         let peak = peak.unwrap_or(group[0]);
-        if unexplained < self.settings.reopened_area || !self.is_peak(peak) {
+        let is_greatest = |at: usize, of: &dyn Fn(usize) -> f64| {
+            neighbours(at, self.image.width(), self.image.height(), 8)
+                .into_iter()
+                .all(|near| !self.judge.exceeds(of(near), of(at)))
+        };
+        let has_maximum =
+            || is_greatest(peak, &excess) || group.iter().any(|&at| is_greatest(at, &|at| self.image.values()[at]));
+        if unexplained < self.settings.reopened_area || !self.is_peak(peak) || !has_maximum() {
             return;
         }
         regions.table[label as usize - 1].divide(self.image, peak);

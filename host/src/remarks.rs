@@ -24,11 +24,19 @@ pub fn on(found: &Found, pixels: usize) -> Vec<String> {
             survey.cells
         )
     };
+    let alone = || {
+        format!(
+            "{} pixels stand alone: taken for hot pixels and cosmic rays; if stars light single pixels here, --spike-height 0 \
+             keeps them",
+            found.spikes
+        )
+    };
     [
         (values.filled > 0).then(filled),
         (2 * defined < pixels).then(undefined),
         values.saturated.then(saturated),
         survey.is_crowded().then(crowded),
+        (found.spikes > found.sources).then(alone),
     ]
     .into_iter()
     .flatten()
@@ -60,6 +68,7 @@ mod tests {
             unreached: 0,
             significance: 5.0,
             photon: 0.0,
+            spikes: 0,
             values,
             survey,
         }
@@ -68,14 +77,21 @@ mod tests {
     #[test]
     fn an_ordinary_frame_needs_no_remark() {
         let values = Values { defined: 60, ..Values::UNKNOWN };
-        assert!(on(&found(values, Survey { cells: 4, measured: 2 }), 100).is_empty());
+        let found = found(values, Survey { cells: 4, measured: 2 });
+        assert!(on(&Found { spikes: 6, sources: 6, ..found }, 100).is_empty());
     }
 
     #[test]
     fn every_oddity_is_told_with_its_share() {
         let values = Values { defined: 40, fill: 0.0, filled: 50, saturated: true, greatest: 255.0, ..Values::UNKNOWN };
-        let remarks = on(&found(values, Survey { cells: 5, measured: 2 }), 100);
-        let parts = ["50 pixels (50.0 %) are exactly 0", "60.0 % of the pixels", "greatest value, 255", "3 of the 5"];
+        let remarks = on(&Found { spikes: 7, sources: 6, ..found(values, Survey { cells: 5, measured: 2 }) }, 100);
+        let parts = [
+            "50 pixels (50.0 %) are exactly 0",
+            "60.0 % of the pixels",
+            "greatest value, 255",
+            "3 of the 5",
+            "7 pixels",
+        ];
         assert_eq!(remarks.len(), parts.len());
         for (remark, part) in remarks.iter().zip(parts) {
             assert!(remark.contains(part), "{remark}");

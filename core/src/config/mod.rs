@@ -196,6 +196,9 @@ impl Connectivity {
 pub struct Config {
     /// How sky and noise are known; with them the run is on signal-to-noise.
     pub sky: Background,
+    /// A pixel that stands alone by more than this many noise units is a hot pixel or a cosmic ray, and the median of its
+    /// neighbours takes its place; 0 leaves all. 0 to 10^6.
+    pub spike_height: f32,
     /// Step 1.
     pub normalize: Normalize,
     /// Step 2.
@@ -265,6 +268,7 @@ impl Config {
     /// Test 1 of the paper at its best: `r3` with beta = 8, heat filter, `g2mod`, `DFg`.
     pub const PAPER_F160: Config = Config {
         sky: Background::None,
+        spike_height: 5.0,
         normalize: Normalize::MinMax,
         rescale: Rescale::R3 { beta: 8, tau: Tau::Otsu },
         filter: Filter::Heat,

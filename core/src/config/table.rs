@@ -54,6 +54,15 @@ table![
             "Detection threshold, in standard deviations of a pixel's noise above the sky. Outlines lie \
              where the smoothed image reaches it.",
         ),
+    real("spike-height", "SFSPIKE", |c| Some(Real(&mut c.spike_height)))
+        .at(Step::Sky, &[ON_SIGNAL])
+        .common()
+        .unit("sigma")
+        .range(Range::within(0.0, 1e6))
+        .help(
+            "A pixel that stands alone by more than this is a hot pixel or a cosmic ray, and no source; 0 takes none \
+             for one, where stars light single pixels.",
+        ),
     choice("dx", "SFDX", &[], |c| Some(Value::of(Numbers::One(c.dx))), set_dx)
         .numbers(Numbers::One(0.0))
         .at(Step::Normalize, &[IN_UNITS])

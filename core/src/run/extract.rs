@@ -57,6 +57,8 @@ pub struct Found {
     pub significance: f32,
     /// The photon noise of the image (see [`crate::sky::photon`]).
     pub photon: f32,
+    /// Pixels that stood alone as hot pixels do: see [`Config::spike_height`].
+    pub spikes: u32,
     /// How the values of the frame came about.
     pub values: Values,
     /// How much of the sky could be measured, in the last round.
@@ -269,8 +271,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
         Ok(match stage {
             Stage::Values => return self.look(),
             Stage::Background => {
-                let cell = config.sky.cell();
-                if signal::measure((walk, crew), measured, view, cell, round, &mut work.sky()).is_none() {
+                if signal::measure((walk, crew), measured, view, config, round, &mut work.sky()).is_none() {
                     return Ok(None);
                 }
                 return self.check_measured();
@@ -474,6 +475,7 @@ impl<'a, 'm, L: Level, P: Sample> Extractor<'a, 'm, L, P> {
             unreached: *unreached,
             significance: cutting.cut.significance,
             photon: curve.slope(),
+            spikes: measured.spikes,
             values: self.view.values,
             survey: measured.survey,
         }

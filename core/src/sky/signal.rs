@@ -3,6 +3,7 @@
 use crate::arithmetic::codec::Codec;
 use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
+use crate::config::Config;
 use crate::plane::crew::{Crew, MOST_BANDS};
 use crate::plane::mask::{Mask, MaskMut, WORD, flooded};
 use crate::plane::part::{self, Question, Whole};
@@ -53,6 +54,8 @@ pub(crate) struct Measured {
     /// By how much noise that is given counts.
     pub factor: f32,
     pub read: Read,
+    /// Pixels in whose place is the median of their neighbours.
+    pub spikes: u32,
 }
 
 impl Measured {
@@ -61,6 +64,7 @@ impl Measured {
         survey: Survey { cells: 0, measured: 0 },
         factor: 1.0,
         read: Read { has_noise: false, checksum: 0 },
+        spikes: 0,
     };
 
     /// The list of fields, out or in.
@@ -69,21 +73,22 @@ impl Measured {
         codec.word(&mut self.survey.measured)?;
         codec.real(&mut self.factor)?;
         codec.flag(&mut self.read.has_noise)?;
-        codec.word(&mut self.read.checksum)
+        codec.word(&mut self.read.checksum)?;
+        codec.word(&mut self.spikes)
     }
 }
 
-/// Signal-to-noise of every pixel from a mesh of cells `cell` pixels wide, spikes replaced; an undefined
+/// Signal-to-noise of every pixel from a mesh of cells as wide as the configuration says, spikes replaced; an undefined
 /// pixel has the mean of the two between which it lies, or none. `round` counts how often it has been measured.
 pub(crate) fn measure<L: Level, P: Sample>(
     (walk, crew): (&mut Walk, &impl Crew),
     measured: &mut Measured,
     view: &View<'_, P>,
-    cell: usize,
+    config: &Config,
     round: u32,
     work: &mut Planes<'_, L>,
 ) -> Option<()> {
-    let &View { frame, grid, known, values } = view;
+    let (&View { frame, grid, known, values }, cell) = (view, config.sky.cell());
     let width = grid.width.get();
     let mut keys = work.keys.again();
     let masked = Mask(work.masked.0);
@@ -138,11 +143,15 @@ pub(crate) fn measure<L: Level, P: Sample>(
     let signal = &*work.fine;
     let row = |y: Option<usize>| y.map_or(&[][..], |y| row_of(signal, width, y));
     walk.pass(grid.height, width, |part| {
-        crew.each(bands_of(&part, band, width, work.signal), |(first, band): (usize, _)| {
+        let before = if part.start == 0 { 0 } else { measured.spikes };
+        let mut spikes_in = [0; MOST_BANDS];
+        let bands = bands_of(&part, band, width, work.signal).zip(&mut spikes_in);
+        crew.each(bands, |((first, band), spikes): (_, &mut u32)| {
             for (y, out) in (first..).zip(band.chunks_exact_mut(width)) {
-                clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], out);
+                *spikes += clean([row(y.checked_sub(1)), row(Some(y)), row(Some(y + 1))], config.spike_height, out);
             }
         });
+        measured.spikes = before.saturating_add(spikes_in.iter().sum());
     })
 }
 

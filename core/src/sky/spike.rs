@@ -3,8 +3,6 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::sort;
 
-/// The most that a pixel's value may exceed its neighbours by, in noise units.
-const HEIGHT: f32 = 5.0;
 /// A pixel whose neighbours' median reaches this part of it is a star. So is one whose four neighbours across an edge
 /// have this part of it together, ...
 const SHARE: f32 = 0.25;
@@ -16,39 +14,43 @@ const TAKEN: f32 = 2.5;
 /// ... and seldom gives them this, one and three quarters: with less there is no star.
 const GIVEN: f32 = 3.5;
 
-/// Copies the middle of three rows of signal-to-noise to `out`, each spike replaced by the median of its
-/// neighbours. Rows beyond the frame are empty.
-pub fn clean<L: Level>(rows: [&[L]; 3], out: &mut [L]) {
-    let ([_, row, _], height) = (rows, L::of(HEIGHT));
+/// Copies the middle of three rows of signal-to-noise to `out`, each pixel that stands alone by more than `height` noise
+/// units replaced by the median of its neighbours, and counts these; with 0 none does. Rows beyond the frame are empty.
+pub fn clean<L: Level>(rows: [&[L]; 3], height: f32, out: &mut [L]) -> u32 {
+    let ([_, row, _], mut spikes) = (rows, 0);
+    let height = if height > 0.0 { L::of(height) } else { L::of(f32::MAX) };
     let pieces = out.chunks_mut(PIECE).zip(row.chunks(PIECE));
     for (first, (out, row)) in (0..).step_by(PIECE).zip(pieces) {
         out.iter_mut().zip(row).for_each(|(out, value)| *out = *value);
         if row.iter().fold(false, |any, value| any | (*value > height)) {
             let bright = out.iter_mut().zip(first..).filter(|(value, _)| **value > height);
-            bright.for_each(|(value, x)| *value = cleaned(rows, x));
+            for (value, x) in bright {
+                if let Some(median) = in_place_of(rows, height, x) {
+                    *value = median;
+                    spikes += 1;
+                }
+            }
         }
     }
+    spikes
 }
 
 /// Pixels of a row that are looked at together.
 const PIECE: usize = 64;
 
-/// The value at `x` of the middle of three rows: its own, or where it is a spike the median of its neighbours.
-fn cleaned<L: Level>(rows: [&[L]; 3], x: usize) -> L {
+/// The median of the neighbours of the pixel at `x` of the middle of three rows, if the pixel is a spike.
+fn in_place_of<L: Level>(rows: [&[L]; 3], height: L, x: usize) -> Option<L> {
     let [_, row, _] = rows;
     let own = row.get(x).copied().unwrap_or(L::ZERO);
     let share = |part: f32| own.scaled(L::Weight::of(part));
-    if own <= L::of(HEIGHT) {
-        return own;
-    }
     let around = across_edges(rows, x);
     let is_sharp = around >= share(SHARE) || around >= share(SHARPEST) - L::of(TAKEN);
     if is_sharp && around >= L::of(GIVEN) {
-        return own;
+        return None;
     }
     let median = median_around(rows, x);
     let alone = median.positive() + L::ONE < share(SHARE);
-    if own - median > L::of(HEIGHT) && alone { median } else { own }
+    (own - median > height && alone).then_some(median)
 }
 
 /// The median of the up to eight neighbours of a pixel.
@@ -79,6 +81,8 @@ fn across_edges<L: Level>([below, row, above]: [&[L]; 3], x: usize) -> L {
 mod tests {
     use super::*;
 
+    extern crate std;
+
     /// The light of a Gaussian star of standard deviation `sigma` in the pixels around the brightest,
     /// in units of what is there; `x` and `y` are where in that pixel its centre lies.
     fn star(sigma: f32, x: f32, y: f32) -> [[f32; 3]; 3] {
@@ -89,6 +93,15 @@ mod tests {
         };
         let brightest = part(1, x) * part(1, y);
         core::array::from_fn(|row| core::array::from_fn(|column| part(row, y) * part(column, x) / brightest))
+    }
+
+    /// What is at `x` of the middle of three rows when spikes of five noise units are taken out.
+    fn cleaned(rows: [&[f32]; 3], x: usize) -> f32 {
+        let mut out = std::vec![0.0; rows[1].len()];
+        let spikes = clean(rows, 5.0, &mut out);
+        let replaced = out.iter().zip(rows[1]).filter(|(out, own)| out != own).count();
+        assert_eq!(spikes as usize, replaced);
+        out[x]
     }
 
     fn middle(image: [[f32; 3]; 3], peak: f32) -> f32 {
@@ -111,6 +124,16 @@ mod tests {
         assert_eq!(middle(cross(0.06), 100.0), 3.0, "the median of four at 0 and four at 6");
         assert_eq!(middle(cross(0.07), 100.0), 100.0);
         assert_eq!(middle(cross(0.0), 5.0), 5.0, "noise is no spike");
+    }
+
+    #[test]
+    fn spikes_stand_alone_by_more_than_is_asked_and_may_be_kept() {
+        let row = [0.0f32, 30.0, 0.0];
+        let cleaned = |height: f32| {
+            let mut out = [1.0; 3];
+            (clean([&[0.0; 3], &row, &[0.0; 3]], height, &mut out), out)
+        };
+        assert_eq!([cleaned(29.9), cleaned(30.0), cleaned(0.0)], [(1, [0.0; 3]), (0, row), (0, row)]);
     }
 
     /// A pixel of so many noise units whose four neighbours have so many together: what is in its place.

@@ -86,6 +86,7 @@ pub fn settings(config: &c::Config) -> Settings {
     let c::Config { outline, deblending, significance, .. } = config;
     Settings {
         cell: config.sky.cell(),
+        spike_height: decimal(config.spike_height),
         smoothing: match config.filter {
             c::Filter::Gauss => Smoothing::Fine,
             c::Filter::Adaptive => Smoothing::ByNeed,

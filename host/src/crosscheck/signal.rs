@@ -331,7 +331,7 @@ impl Walk {
         let raw = reference::signal(&self.pixels, &self.defined, &after.mesh, self.width, self.brightest);
         // A pixel may have the value of its neighbours.
         let off = greatest(&self.signal_off(&raw, &after.mesh), 1);
-        let clean = reference::without_spikes(&raw, &Judge::exact());
+        let clean = reference::without_spikes(&raw, self.asked.spike_height, &Judge::exact());
         let clean = Plane::from_fn(raw.width(), raw.height(), |i, j| {
             let (core, exact, off) = (after.signal.at(i, j), clean.at(i, j), off.at(i, j));
             if (core - exact).abs() <= off {
@@ -345,7 +345,7 @@ impl Walk {
                 |x, y| raw.at(i - left + x, j - low + y),
             );
             let slack = Slack { relative: bit(18), absolute: off };
-            let own = |judge: &Judge| reference::without_spikes(&around, judge).at(left, low);
+            let own = |judge: &Judge| reference::without_spikes(&around, self.asked.spike_height, judge).at(left, low);
             reference::nearest(slack, own, |v| usize::from((core - v).abs() > off))
         });
         self.plane("signal", &after.signal, &clean, &off);

@@ -240,8 +240,9 @@ fn every_setting_is_noticed() {
     let photons = counts();
     let noisy = sky(Kind::Noisy, 2, WIDTH, HEIGHT);
     let clumpy = galaxy_with_knots(5, &[0.003; 3]);
-    let others: [(Settings, &str); 18] = [
+    let others: [(Settings, &str); 19] = [
         (Settings { cell: 32, ..asked }, "sky"),
+        (Settings { spike_height: 0.0, ..asked }, "signal"),
         (Settings { smoothing: Smoothing::Fine, ..asked }, "u"),
         (Settings { threshold: 1.05, ..asked }, "u0"),
         (Settings { steps: 4, ..asked }, "u"),

@@ -52,6 +52,7 @@ const CASES: &[Case] = &[
     ("sky", S, "", ["mesh", "frame"]),
     ("sky", S, "", ["mesh:64", "mesh:40"]),
     ("sky", S, "preset=paper-f160", ["none", "mesh:40"]),
+    ("spike-height", S, "", ["5", "0"]),
     ("threshold", S, "", ["1", "2"]),
     ("outline-steps", S, "", ["5", "0"]),
     ("outline-curvature", S, "", ["0.6", "0"]),

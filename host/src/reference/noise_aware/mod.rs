@@ -54,6 +54,8 @@ pub enum Smoothing {
 pub struct Settings {
     /// Pixels along a side of a cell of the sky.
     pub cell: usize,
+    /// `--spike-height`.
+    pub spike_height: f64,
     /// `--filter`.
     pub smoothing: Smoothing,
     /// `--threshold`.
@@ -156,7 +158,8 @@ pub fn run(
         if !mesh.cells.iter().any(|cell| cell.is_some_and(|sky| sky.noise > 0.0)) {
             break;
         }
-        let signal = without_spikes(&signal(pixels, &defined, &mesh, width, f64::INFINITY), judge);
+        let signal =
+            without_spikes(&signal(pixels, &defined, &mesh, width, f64::INFINITY), settings.spike_height, judge);
         let fine = smoothed(&signal, 0.8);
         let tail = Tail::of(fine.values(), &masked, &facts);
         let smooth = by_need(&fine, &masked, &facts);

@@ -31,8 +31,8 @@ pub fn signal(pixels: &[f64], defined: &[bool], mesh: &Mesh, width: usize, brigh
     })
 }
 
-/// The signal with the median of the neighbours in place of spikes.
-pub fn without_spikes(signal: &Plane, judge: &Judge) -> Plane {
+/// The signal with the median of the neighbours in place of spikes, that stand alone by more than `least`.
+pub fn without_spikes(signal: &Plane, least: f64, judge: &Judge) -> Plane {
     let (width, height) = (signal.width(), signal.height());
     Plane::from_fn(width, height, |i, j| {
         let v = signal.at(i, j);
@@ -43,8 +43,9 @@ pub fn without_spikes(signal: &Plane, judge: &Judge) -> Plane {
         let n = near.len();
         let median = if n == 0 { 0.0 } else { 0.5 * (near[(n - 1) / 2] + near[n / 2]) };
         let beside: f64 = neighbours(at, width, height, 4).into_iter().map(light).sum();
-        let is_spike = judge.exceeds(v, 5.0)
-            && judge.exceeds(v - median, 5.0)
+        let is_spike = least > 0.0
+            && judge.exceeds(v, least)
+            && judge.exceeds(v - median, least)
             && judge.exceeds(0.25 * v, median.max(0.0) + 1.0)
             && (judge.exceeds(3.5, beside)
                 || (judge.exceeds(0.25 * v, beside) && judge.exceeds(v / 3.0 - 2.5, beside)));

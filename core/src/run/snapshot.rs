@@ -21,7 +21,7 @@ use core::fmt;
 /// "SkyF", little-endian.
 const MAGIC: u32 = 0x4679_6B53;
 /// Changes with the format.
-const VERSION: u32 = 8;
+const VERSION: u32 = 7;
 /// Words of the header, of the state, of a source and of a band.
 const HEADER_WORDS: usize = 7;
 const STATE_WORDS: usize = 134;

@@ -24,7 +24,7 @@ const MAGIC: u32 = 0x4579_6B53;
 const VERSION: u32 = 1;
 /// Words of the header, of the state and of a region.
 const HEADER_WORDS: usize = 8;
-const STATE_WORDS: usize = 350;
+const STATE_WORDS: usize = 352;
 const REGION_WORDS: usize = 12;
 
 /// The most bytes of a snapshot of a run over a frame with mesh cells `cell` pixels wide, with so many `regions`.

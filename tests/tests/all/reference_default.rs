@@ -54,9 +54,9 @@ fn zeros_that_lie_together_are_filling_and_a_cut_off_sky_is_told() {
 #[test]
 fn a_lone_pixel_is_a_spike_and_a_star_is_none() {
     let spike = plane(9, |x, y| if (x, y) == (4.0, 4.0) { 50.0 } else { 0.0 });
-    assert_eq!(without_spikes(&spike, &Judge::exact()), plane(9, |_, _| 0.0));
+    assert_eq!(without_spikes(&spike, 5.0, &Judge::exact()), plane(9, |_, _| 0.0));
     let star = plane(9, |x, y| 50.0 * (-((x - 4.0).powi(2) + (y - 4.0).powi(2)) / 1.3).exp());
-    assert_eq!(without_spikes(&star, &Judge::exact()), star);
+    assert_eq!(without_spikes(&star, 5.0, &Judge::exact()), star);
 }
 
 /// Nothing is known of the values.

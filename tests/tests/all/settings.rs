@@ -27,7 +27,8 @@ fn with_skies(name: &str) -> Folder {
         writer.finish().expect("the file can be closed");
     }
     let mut writer = Writer::create(Path::new(&folder.file(KNOTS))).expect("the file can be made");
-    let pixels = galaxy_with_knots(6, &[0.003; 3]);
+    let mut pixels = galaxy_with_knots(6, &[0.003; 3]);
+    pixels[20 * 140 + 20] += 1000.0;
     writer.image((140, 140), &[], |y, out| out.copy_from_slice(&pixels[y * 140..][..140])).expect("it can be written");
     writer.finish().expect("the file can be closed");
     let mut writer = Writer::create(Path::new(&folder.file("seed.fits"))).expect("the file can be made");
@@ -42,7 +43,7 @@ type Case = (&'static str, &'static str, &'static str, [&'static str; 2]);
 
 const B: &str = BRIGHT.0;
 const S: &str = STARS.0;
-/// A galaxy with three knots.
+/// A galaxy with three knots, and a hot pixel.
 const KNOTS: &str = "knots.fits";
 /// Sources that only the allowance for noise decides about.
 const FAINT: &str = "threshold=0.3 min-peak=0 min-light=0 min-area=3";
@@ -52,7 +53,7 @@ const CASES: &[Case] = &[
     ("sky", S, "", ["mesh", "frame"]),
     ("sky", S, "", ["mesh:64", "mesh:40"]),
     ("sky", S, "preset=paper-f160", ["none", "mesh:40"]),
-    ("spike-height", S, "", ["5", "0"]),
+    ("spike-height", KNOTS, "", ["5", "0"]),
     ("threshold", S, "", ["1", "2"]),
     ("outline-steps", S, "", ["5", "0"]),
     ("outline-curvature", S, "", ["0.6", "0"]),

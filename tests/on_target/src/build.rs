@@ -13,7 +13,7 @@ pub fn folder() -> PathBuf {
 }
 
 /// The programs of which nothing is measured.
-const UNMEASURED: [&str; 2] = ["digests", "flight"];
+const UNMEASURED: [&str; 3] = ["digests", "flight", "roots"];
 
 /// The profile of a program.
 fn profile(bin: &str) -> &'static str {

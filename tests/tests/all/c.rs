@@ -16,14 +16,15 @@ fn include() -> String {
     format!("-I{}", workspace().join("core/c/include").display())
 }
 
-/// The static library for this machine.
+/// The static library for this machine, from the core and its dependencies as they were compiled for the tests.
 fn library() -> PathBuf {
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c");
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     done(
         Command::new(cargo)
             .current_dir(workspace())
-            .args(["rustc", "-p", "skyfront-c", "--locked", "--crate-type", "staticlib", "--features", "std"])
+            .args(["rustc", "-p", "skyfront-c", "--locked", "--crate-type", "staticlib"])
+            .args(["--features", "std,skyfront-core/hal"])
             .arg("--target-dir")
             .arg(&target),
     );

@@ -1,5 +1,5 @@
 //! What spans the crates, as one program: thirty would each be linked with cfitsio. A part alone is
-//! `cargo test -p skyfront-tests PART::`.
+//! `cargo test --workspace --test all PART::`, which shares all that `tests/run` compiles.
 
 mod agreement;
 mod bands;

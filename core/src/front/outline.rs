@@ -195,8 +195,8 @@ impl<L: Level> Task for Row<'_, L> {
     fn run(self) {
         let Row { front, old, signal, out } = self;
         let pieces = (0..).step_by(PIECE).zip(out.chunks_mut(PIECE).zip(signal.chunks(PIECE)));
+        let mut beyond = [[L::ZERO; WINDOW]; 3];
         for (first, (out, signal)) in pieces {
-            let mut beyond = [[L::ZERO; WINDOW]; 3];
             let near = old.window(first, &mut beyond);
             if is_flat(near) {
                 continue;

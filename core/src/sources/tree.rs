@@ -205,9 +205,9 @@ pub(crate) fn grow<L: Level>(
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut root) = ([NONE; 8], 0, NONE);
-        let near = || field.grid.touching(at, config.connectivity.neighbours());
-        let known = |parents: &[u32], near: usize| rank_of(near).filter(|&near| near < rank && !is_out(parents, near));
-        for &known in earlier(near().map(rank_in), rank, &mut [0; 8]) {
+        let (around, open) = field.grid.around(at, config.connectivity.neighbours());
+        let ranks = (0..).zip(around).map(|(bit, near)| if open >> bit & 1 == 1 { rank_in(near) } else { NONE });
+        for &known in earlier(ranks, rank, &mut [0; 8]) {
             // Most neighbours are of one region, and some know its root.
             let parent = parents.get(known as usize).copied().unwrap_or(NONE);
             if parent != NONE && known != root && parent != root {
@@ -225,7 +225,9 @@ pub(crate) fn grow<L: Level>(
             0 => None,
             1 => Some(root),
             _ => {
-                let known = near().filter_map(|near| Some((field.at(near), known(parents, near)?)));
+                let near = field.grid.touching(at, config.connectivity.neighbours());
+                let known = |near: usize| rank_of(near).filter(|&near| near < rank && !is_out(parents, near));
+                let known = near.filter_map(|near| Some((field.at(near), known(near)?)));
                 let brighter =
                     |(bright, of), (value, known)| if value > bright { (value, known) } else { (bright, of) };
                 known.reduce(brighter).map(|(_, known)| root_of(parents, known))

@@ -481,7 +481,7 @@ pub(crate) fn compete<L: Level>(
 /// Gives a pixel to the source that owns it; whether that is another than before.
 fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], at: usize) -> bool {
     let own = label_at(labels, at);
-    if own == 0 || is_alone(labels, field.grid, at) {
+    if own == 0 {
         return false;
     }
     let (mut best, mut asked, mut is_other) = (own, 0, None);
@@ -546,14 +546,6 @@ impl Task for Piece<'_> {
         }
         (0..).zip(open).fold(0, |bits, (bit, open)| bits | open << bit)
     }
-}
-
-/// Whether a pixel within the frame touches no other source along an edge.
-fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
-    let (width, x, y, own) = (width.get(), at % width, at / width, label_at(labels, at));
-    let inner = x > 0 && x + 1 < width && y > 0 && y + 1 < height;
-    let is_other = |at: usize| ![0, own].contains(&label_at(labels, at));
-    inner && ![at - 1, at + 1, at - width, at + width].into_iter().any(is_other)
 }
 
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine

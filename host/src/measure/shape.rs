@@ -3,7 +3,7 @@
 use super::scene::OUTLINE;
 use super::{Flux, Local, Scene};
 use crate::workers::in_groups;
-use skyfront_core::plane::rows::runs;
+use skyfront_core::plane::rows::used;
 use skyfront_core::sources::catalog::Source;
 use skyfront_core::sources::measure::{Around, Centroid, Pixel, Sums};
 
@@ -44,10 +44,8 @@ pub fn sums(scene: &Scene<'_>, count: usize, threads: usize) -> Vec<Sums> {
     let mut all = vec![Sums::default(); count];
     in_groups(&mut all, threads, |first, group| {
         for (y, row) in scene.rows.clone().zip(scene.labels.chunks(scene.width.max(1))) {
-            for (start, end, label) in runs(row) {
-                let index = (label as usize).checked_sub(first);
-                let Some(sums) = index.and_then(|index| group.get_mut(index)) else { continue };
-                for x in start..end {
+            for (x, label) in used(row) {
+                if let Some(sums) = (label as usize).checked_sub(first).and_then(|index| group.get_mut(index)) {
                     let around = scene.around(x, y, label);
                     let around = Around { flags: around & !OUTLINE, is_outline: around & OUTLINE != 0 };
                     let pixel = pixel(scene, scene.index(x, y));

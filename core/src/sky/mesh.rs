@@ -192,8 +192,8 @@ impl<'m> Mesh<'m> {
                 *survey = Survey::default();
             }
             for index in cells {
-                let (mut told, mut count, room) = (Told::default(), Count::default(), keys.room());
-                let counts = core::slice::from_mut(&mut count);
+                let (mut told, mut count) = (Told::default(), Count::default());
+                let (room, counts) = (NonZero::<usize>::MAX, core::slice::from_mut(&mut count));
                 keys_of_sky(frame, &[sides(size, grid, index)], &seen, (keys.0, room), counts);
                 let is_enough = told.hears(0, &count);
                 survey.cells += told.survey.cells;
@@ -234,17 +234,20 @@ impl<'m> Mesh<'m> {
         keys: Keys<'_>,
     ) -> [Told; MOST_CELLS] {
         let (size, grid) = (self.size, self.grid);
-        let of_cell = (size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1))).max(1);
+        let of_cell = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
+        let of_cell = NonZero::new(of_cell).unwrap_or(NonZero::<usize>::MIN);
         let row_of_cells = |row: usize, cells: &mut [Sky], Keys(keys, spare): &mut Keys<'_>| {
             let mut told = Told::default();
-            let most = (keys.len() / of_cell).clamp(1, TOGETHER);
+            // Of a clamped number the compiler does not know that it is one at least.
+            let most = TOGETHER.min(keys.len() / of_cell);
+            let most = most.max(1);
             for (first, cells) in (0..).step_by(most).zip(cells.chunks_mut(most)) {
                 let place = row * grid.width.get() + first;
                 let together: [_; TOGETHER] = core::array::from_fn(|column| sides(size, grid, place + column));
                 let together = together.get(..cells.len()).unwrap_or(&[]);
                 let mut counts = [Count::default(); TOGETHER];
                 keys_of_sky(frame, together, &seen, (keys, of_cell), &mut counts);
-                let rooms = keys.chunks_mut(of_cell).zip(&counts);
+                let rooms = keys.chunks_mut(of_cell.get()).zip(&counts);
                 for (column, (cell, (keys, count))) in (first..).zip(cells.iter_mut().zip(rooms)) {
                     if told.hears(column, count) {
                         *cell = crew.wide(Clipped { sorted: Keys(keys, spare).sort(count.sky), values });
@@ -463,14 +466,14 @@ fn keys_of_sky<P: Sample>(
     frame: &Raster<'_, P>,
     cells: &[[usize; 4]],
     seen: &impl Fn(usize) -> Words,
-    (keys, of_cell): (&mut [u32], usize),
+    (keys, of_cell): (&mut [u32], NonZero<usize>),
     counts: &mut [Count],
 ) {
     // Adding 0 gives both zeros one key.
     let key = |pixel: &P| (pixel.value() + 0.0).key();
     let (bottom, top) = cells.first().map_or((0, 0), |&[.., bottom, top]| (bottom, top));
     for y in bottom..top {
-        let rooms = keys.chunks_mut(of_cell.max(1)).zip(&mut *counts);
+        let rooms = keys.chunks_mut(of_cell.get()).zip(&mut *counts);
         for (&[left, right, ..], (keys, count)) in cells.iter().zip(rooms) {
             count.all += right - left;
             let pieces = frame.part(y, left..right).chunks(WORD);

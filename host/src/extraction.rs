@@ -16,7 +16,7 @@ use skyfront_core::image::normalize::Extremes;
 use skyfront_core::plane::crew::Crew;
 use skyfront_core::plane::mask::{Mask, mask_words};
 use skyfront_core::plane::part::Whole;
-use skyfront_core::plane::rows::used;
+use skyfront_core::plane::rows::runs;
 use skyfront_core::run::extract::{Extractor, Found, Progress};
 use skyfront_core::run::outcome::{Outcome, Progress::Working};
 use skyfront_core::run::stage::Stage;
@@ -173,12 +173,14 @@ fn in_room<A: Arithmetic, L: Level>(
     let mut sources: Vec<Source> = (1..=found.sources).map(Source::empty).collect();
     in_groups(&mut sources, drive.threads, |first, sources| {
         for (y, (labels, pixels)) in (0..).zip(labels.chunks_exact(width).zip(pixels.chunks_exact(width))) {
-            for (x, label) in used(labels) {
-                if let Some(source) = (label as usize).checked_sub(first).and_then(|index| sources.get_mut(index)) {
+            for (start, end, label) in runs(labels) {
+                let index = (label as usize).checked_sub(first);
+                let Some(source) = index.and_then(|index| sources.get_mut(index)) else { continue };
+                for (x, &pixel) in (start as u32..).zip(&pixels[start..end]) {
                     if drive.keep_sums {
-                        source.add(x as u32, y, pixels[x], extremes.least);
+                        source.add(x, y, pixel, extremes.least);
                     } else {
-                        source.extend(x as u32, y);
+                        source.extend(x, y);
                     }
                 }
             }

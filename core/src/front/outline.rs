@@ -195,19 +195,20 @@ impl<L: Level> Task for Row<'_, L> {
     fn run(self) {
         let Row { front, old, signal, out } = self;
         let pieces = (0..).step_by(PIECE).zip(out.chunks_mut(PIECE).zip(signal.chunks(PIECE)));
+        let mut beyond = [[L::ZERO; WINDOW]; 3];
         for (first, (out, signal)) in pieces {
-            let mut beyond = [[L::ZERO; WINDOW]; 3];
             let near = old.window(first, &mut beyond);
             if is_flat(near) {
                 continue;
             }
-            let mut force = [L::ZERO; PIECE];
-            make(&mut force, signal, |signal| within(signal - front.threshold, FORCE));
+            let mut values = [L::ZERO; PIECE];
+            make(&mut values, signal, |value| value);
             let mut moved = [L::ZERO; PIECE];
             // Spelled out: the compiler leaves a map over arrays a loop of calls.
             let [below, own, above] = near;
             for x in 0..PIECE {
-                let (Some(moved), Some(&force)) = (moved.get_mut(x), force.get(x)) else { break };
+                let (Some(moved), Some(&signal)) = (moved.get_mut(x), values.get(x)) else { break };
+                let force = within(signal - front.threshold, FORCE);
                 let (below, own, above) = (three(below, x), three(own, x), three(above, x));
                 let [_, middle, _] = own;
                 let change = front.change([below, own, above], force);

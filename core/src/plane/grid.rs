@@ -37,6 +37,17 @@ impl Grid {
     /// The first `most` of these directions, as far as the frame goes: with 4, cells that share an edge.
     #[inline]
     pub fn touching(self, at: usize, most: usize) -> impl Iterator<Item = usize> {
+        let (near, mut open) = self.around(at, most);
+        core::iter::from_fn(move || {
+            let next = open.trailing_zeros() as usize;
+            open &= open.wrapping_sub(1);
+            near.get(next).copied()
+        })
+    }
+
+    /// The cells in all eight directions, and a bit for each that [`Grid::touching`] has.
+    #[inline]
+    pub(crate) fn around(self, at: usize, most: usize) -> ([usize; 8], u32) {
         let ((x, y), width) = (self.place(at), self.width.get());
         let (left, right, below, above) = (x > 0, x + 1 < width, y > 0, y + 1 < self.height);
         let (under, over) = (at.wrapping_sub(width), at + width);
@@ -44,14 +55,9 @@ impl Grid {
         let without = |inside: bool, bits: u32| if inside { 0 } else { bits };
         let beyond = without(left, 0b0101_0001) | without(right, 0b1010_0010);
         let beyond = beyond | without(below, 0b0011_0100) | without(above, 0b1100_1000);
-        let mut open = ((1u32 << most.min(8)) - 1) & !beyond;
+        let open = ((1u32 << most.min(8)) - 1) & !beyond;
         let (before, behind) = (under.wrapping_sub(1), over.wrapping_sub(1));
-        let near = [at.wrapping_sub(1), at + 1, under, over, before, under.wrapping_add(1), behind, over + 1];
-        core::iter::from_fn(move || {
-            let next = open.trailing_zeros() as usize;
-            open &= open.wrapping_sub(1);
-            near.get(next).copied()
-        })
+        ([at.wrapping_sub(1), at + 1, under, over, before, under.wrapping_add(1), behind, over + 1], open)
     }
 }
 

@@ -1,5 +1,7 @@
 //! A bit for every pixel of a plane.
 
+use crate::arithmetic::Level;
+
 /// Bits of a word.
 pub const WORD: usize = 32;
 
@@ -44,6 +46,14 @@ pub(crate) fn flooded(open: u32, some: u32, backwards: bool) -> u32 {
     if backwards { upwards(open.reverse_bits(), some.reverse_bits()).reverse_bits() } else { upwards(open, some) }
 }
 
+/// A bit for each of at most [`WORD`] values, the lowest for the first: is it above a level.
+#[inline(always)]
+pub(crate) fn bits_of<L: Level>(values: &[L], level: L) -> u32 {
+    let bits = |values: &[L]| (0..).zip(values).fold(0, |bits, (bit, &value)| bits | u32::from(value > level) << bit);
+    // Of whole words the compiler knows how many there are.
+    values.first_chunk::<WORD>().map_or_else(|| bits(values), |values| bits(values))
+}
+
 /// A mask that is written.
 #[derive(Debug)]
 pub struct MaskMut<'a>(pub &'a mut [u32]);
@@ -54,6 +64,17 @@ impl MaskMut<'_> {
     pub fn set(&mut self, at: usize) {
         if let Some(word) = self.0.get_mut(at / WORD) {
             *word |= 1 << (at % WORD);
+        }
+    }
+
+    /// Marks those of the pixels from the first one on that have their bit.
+    #[inline]
+    pub(crate) fn set_all(&mut self, first: usize, bits: u32) {
+        let both = u64::from(bits) << (first % WORD);
+        for (at, bits) in [(first / WORD, both as u32), (first / WORD + 1, (both >> WORD) as u32)] {
+            if let Some(word) = self.0.get_mut(at) {
+                *word |= bits;
+            }
         }
     }
 }

@@ -80,14 +80,9 @@ pub fn last_with(plane: &[u32], end: usize, bits: u32) -> Option<usize> {
 }
 
 /// The cells that are not 0, with their indices.
-pub fn used(plane: &[u32]) -> impl Iterator<Item = (usize, u32)> {
-    used_in(plane, 0..plane.len())
-}
-
-/// The same of some of the cells.
 #[inline]
-pub fn used_in(plane: &[u32], cells: Range<usize>) -> impl Iterator<Item = (usize, u32)> {
-    let (mut next, plane) = (cells.start, plane.get(..cells.end).unwrap_or(&[]));
+pub fn used(plane: &[u32]) -> impl Iterator<Item = (usize, u32)> {
+    let mut next = 0;
     core::iter::from_fn(move || {
         let at = next_with(plane, next, u32::MAX)?;
         next = at + 1;
@@ -95,9 +90,44 @@ pub fn used_in(plane: &[u32], cells: Range<usize>) -> impl Iterator<Item = (usiz
     })
 }
 
+/// The runs of cells that have one value other than 0: first cell, end and value.
+#[inline]
+pub fn runs(plane: &[u32]) -> impl Iterator<Item = (usize, usize, u32)> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let first = next_with(plane, next, u32::MAX)?;
+        let (&value, rest) = plane.get(first..)?.split_first()?;
+        next = rest.iter().position(|&other| other != value).map_or(plane.len(), |length| first + 1 + length);
+        Some((first, next, value))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn runs_are_of_one_value_and_leave_nothing_out() {
+        let mut state = 1u32;
+        for length in [0, 1, 15, 16, 17, 100] {
+            for values in [1, 2, 3] {
+                let mut plane = [0; 100];
+                let plane = &mut plane[..length];
+                for cell in plane.iter_mut() {
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    *cell = (state >> 16) % values;
+                }
+                let mut known = [0; 100];
+                for (first, end, value) in runs(plane) {
+                    assert!(first < end && value != 0);
+                    assert_ne!(first.checked_sub(1).map(|before| plane[before]), Some(value));
+                    assert_ne!(plane.get(end), Some(&value));
+                    known[first..end].fill(value);
+                }
+                assert_eq!(known[..length], *plane);
+            }
+        }
+    }
 
     #[test]
     fn every_cell_with_a_bit_is_met_once_in_either_direction() {

@@ -4,7 +4,7 @@ use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::grid::Grid;
-use crate::plane::mask::{MaskMut, WORD};
+use crate::plane::mask::{MaskMut, WORD, bits_of};
 use crate::plane::rows::{row_of, row_of_mut};
 use core::ops::Range;
 
@@ -134,12 +134,7 @@ impl Weights {
                 let mut mask = MaskMut(words);
                 ring.follow(y, &mut next, |y| row_of(from, width, y), crew);
                 ring.add(y, out, None, crew);
-                for (x, piece) in (0..).step_by(WORD).zip(out.chunks(WORD)) {
-                    if piece.iter().fold(false, |any, &value| any | (value > level)) {
-                        let above = (x..).zip(piece).filter(|(_, value)| **value > level);
-                        above.for_each(|(x, _)| mask.set(row * width + x));
-                    }
-                }
+                crew.wide(Above { values: out, level, first: row * width, mask: &mut mask });
             }
         });
     }
@@ -254,6 +249,26 @@ impl<'a, L: Level> Ring<'a, L> {
     /// Adds `gain` times the smoothed columns to row `y`; without a gain these are what it becomes.
     fn add(&self, y: usize, out: &mut [L], gain: Option<f32>, crew: &impl Crew) {
         crew.wide(Across { ring: self, y, out, gain });
+    }
+}
+
+/// Values of which those above a level are marked, from the first pixel on.
+struct Above<'a, 'm, L> {
+    values: &'a [L],
+    level: L,
+    first: usize,
+    mask: &'a mut MaskMut<'m>,
+}
+
+impl<L: Level> Task for Above<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Above { values, level, first, mask } = self;
+        for (first, values) in (first..).step_by(WORD).zip(values.chunks(WORD)) {
+            mask.set_all(first, bits_of(values, level));
+        }
     }
 }
 

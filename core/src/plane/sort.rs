@@ -100,13 +100,8 @@ fn by_digits<const COUNT: usize>(
 /// key keep their order.
 fn settle_near(items: &mut [u32], key: impl Fn(u32) -> u32) -> bool {
     const NEAR: usize = 8;
-    let mut greatest = 0;
-    for end in 0..items.len() {
-        let own = items.get(end).map_or(u32::MAX, |&item| key(item));
-        if own >= greatest {
-            greatest = own;
-            continue;
-        }
+    let mut next = 1;
+    while let Some(end) = next_fall(items, next, &key) {
         let first = end.saturating_sub(NEAR);
         settle(items.get_mut(first..=end).unwrap_or(&mut []), |a, b| key(a) < key(b));
         if let Some(&[before, settled]) = items.get(first.wrapping_sub(1)..).and_then(<[u32]>::first_chunk)
@@ -114,8 +109,23 @@ fn settle_near(items: &mut [u32], key: impl Fn(u32) -> u32) -> bool {
         {
             return false;
         }
+        next = end + 1;
     }
     true
+}
+
+/// The first item from `from`, at least 1, on that precedes the one before it. Cost: a look at each up to there, some at a
+/// time.
+fn next_fall(items: &[u32], from: usize, key: impl Fn(u32) -> u32) -> Option<usize> {
+    const PIECE: usize = 16;
+    let (before, behind) = (items.get(from.wrapping_sub(1)..)?, items.get(from..)?);
+    let falls = |(&before, &behind): (&u32, &u32)| key(behind) < key(before);
+    let sorted = |(before, behind): &(&[u32], &[u32])| {
+        before.iter().zip(*behind).fold(true, |sorted, pair| sorted & !falls(pair))
+    };
+    let sorted = PIECE * before.chunks(PIECE).zip(behind.chunks(PIECE)).take_while(sorted).count();
+    let mut pairs = before.iter().zip(behind).skip(sorted);
+    pairs.position(falls).map(|at| from + sorted + at)
 }
 
 #[inline(always)]

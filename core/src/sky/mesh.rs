@@ -24,6 +24,8 @@ pub const MOST_CELLS: usize = 64;
 const LEAST_SKY: usize = 30;
 /// Groups of rows of cells for each hand: who is done early takes another.
 const GROUPS: usize = 2;
+/// Cells of a row whose pixels are read together, if there is room for their keys.
+const TOGETHER: usize = 16;
 /// A cell is measured where more than one in so many of its pixels is sky.
 const LEAST_SHARE: usize = 64;
 
@@ -190,8 +192,9 @@ impl<'m> Mesh<'m> {
                 *survey = Survey::default();
             }
             for index in cells {
-                let count = keys_of_sky(frame, sides(size, grid, index), &seen, &mut keys);
-                let mut told = Told::default();
+                let (mut told, mut count) = (Told::default(), Count::default());
+                let (room, counts) = (NonZero::<usize>::MAX, core::slice::from_mut(&mut count));
+                keys_of_sky(frame, &[sides(size, grid, index)], &seen, (keys.0, room), counts);
                 let is_enough = told.hears(0, &count);
                 survey.cells += told.survey.cells;
                 survey.measured += told.survey.measured;
@@ -231,20 +234,30 @@ impl<'m> Mesh<'m> {
         keys: Keys<'_>,
     ) -> [Told; MOST_CELLS] {
         let (size, grid) = (self.size, self.grid);
-        let row_of_cells = |row: usize, cells: &mut [Sky], keys: &mut Keys<'_>| {
+        let of_cell = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
+        let of_cell = NonZero::new(of_cell).unwrap_or(NonZero::<usize>::MIN);
+        let row_of_cells = |row: usize, cells: &mut [Sky], Keys(keys, spare): &mut Keys<'_>| {
             let mut told = Told::default();
-            for (column, cell) in cells.iter_mut().enumerate() {
-                let sides = sides(size, grid, row * grid.width.get() + column);
-                let count = keys_of_sky(frame, sides, &seen, keys);
-                if told.hears(column, &count) {
-                    *cell = crew.wide(Clipped { sorted: keys.sort(count.sky), values });
+            // Of a clamped number the compiler does not know that it is one at least.
+            let most = TOGETHER.min(keys.len() / of_cell);
+            let most = most.max(1);
+            for (first, cells) in (0..).step_by(most).zip(cells.chunks_mut(most)) {
+                let place = row * grid.width.get() + first;
+                let together: [_; TOGETHER] = core::array::from_fn(|column| sides(size, grid, place + column));
+                let together = together.get(..cells.len()).unwrap_or(&[]);
+                let mut counts = [Count::default(); TOGETHER];
+                keys_of_sky(frame, together, &seen, (keys, of_cell), &mut counts);
+                let rooms = keys.chunks_mut(of_cell.get()).zip(&counts);
+                for (column, (cell, (keys, count))) in (first..).zip(cells.iter_mut().zip(rooms)) {
+                    if told.hears(column, count) {
+                        *cell = crew.wide(Clipped { sorted: Keys(keys, spare).sort(count.sky), values });
+                    }
                 }
             }
             told
         };
-        let of_cell = size.0.div_ceil(grid.width.get()) * size.1.div_ceil(grid.height.max(1));
         // As many groups of rows as hands can work on, and as there is room to sort for.
-        let groups = (GROUPS * crew.hands()).min(keys.room() / of_cell.max(1)).max(1);
+        let groups = (GROUPS * crew.hands()).min(keys.room() / of_cell).max(1);
         let (rows, room) = (grid.height.div_ceil(groups).max(1), (keys.room() / groups).max(1));
         let mut told = [Told::default(); MOST_CELLS];
         let Keys(keys, spare) = keys;
@@ -447,31 +460,36 @@ fn sides((width, height): (usize, usize), grid: Grid, index: usize) -> [usize; 4
     [column * width / columns, (column + 1) * width / columns, row * height / rows, (row + 1) * height / rows]
 }
 
-/// Lays the keys of the sky's pixels between the sides of a cell where they are sorted.
+/// Lays the keys of the sky's pixels between the sides of some cells of a row, those of each in its own room of `of_cell`,
+/// and counts them: row by row of the frame, for pixels that follow each other in memory are read faster.
 fn keys_of_sky<P: Sample>(
     frame: &Raster<'_, P>,
-    [left, right, bottom, top]: [usize; 4],
+    cells: &[[usize; 4]],
     seen: &impl Fn(usize) -> Words,
-    keys: &mut Keys<'_>,
-) -> Count {
-    let mut count = Count { all: (right - left) * (top - bottom), ..Count::default() };
+    (keys, of_cell): (&mut [u32], NonZero<usize>),
+    counts: &mut [Count],
+) {
     // Adding 0 gives both zeros one key.
     let key = |pixel: &P| (pixel.value() + 0.0).key();
+    let (bottom, top) = cells.first().map_or((0, 0), |&[.., bottom, top]| (bottom, top));
     for y in bottom..top {
-        let pieces = frame.part(y, left..right).chunks(WORD);
-        for (first, pixels) in (y * frame.width + left..).step_by(WORD).zip(pieces) {
-            let Words { defined, sky } = seen(first).first(pixels.len());
-            let free = keys.0.get_mut(count.sky..).unwrap_or(&mut []);
-            if sky.count_ones() as usize == pixels.len() {
-                free.iter_mut().zip(pixels).for_each(|(free, pixel)| *free = key(pixel));
-            } else {
-                lay(pixels.iter().map(key), sky, free);
+        let rooms = keys.chunks_mut(of_cell.get()).zip(&mut *counts);
+        for (&[left, right, ..], (keys, count)) in cells.iter().zip(rooms) {
+            count.all += right - left;
+            let pieces = frame.part(y, left..right).chunks(WORD);
+            for (first, pixels) in (y * frame.width + left..).step_by(WORD).zip(pieces) {
+                let Words { defined, sky } = seen(first).first(pixels.len());
+                let free = keys.get_mut(count.sky..).unwrap_or(&mut []);
+                if sky.count_ones() as usize == pixels.len() {
+                    free.iter_mut().zip(pixels).for_each(|(free, pixel)| *free = key(pixel));
+                } else {
+                    lay(pixels.iter().map(key), sky, free);
+                }
+                count.defined += defined.count_ones() as usize;
+                count.sky += sky.count_ones() as usize;
             }
-            count.defined += defined.count_ones() as usize;
-            count.sky += sky.count_ones() as usize;
         }
     }
-    count
 }
 
 /// Lays the keys that have their bit, without asking for each.
@@ -518,7 +536,7 @@ impl Told {
 }
 
 /// What the pixels of a cell are.
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 struct Count {
     all: usize,
     defined: usize,

@@ -131,9 +131,13 @@ fn second_difference<L: Level>(field: Field<'_, L>, at: usize) -> Option<L> {
         return None;
     }
     let bend = |before: L, own: L, after: L| before - (own + own) + after;
-    let row = |middle: usize| bend(field.at(middle - 1), field.at(middle), field.at(middle + 1));
-    let width = grid.width.get();
-    Some(bend(row(at - width), row(at), row(at + width)).magnitude())
+    let row = |first: usize| {
+        let three = field.values.get(first..).and_then(<[L]>::first_chunk);
+        let &[before, own, after] = three.unwrap_or(&[L::ZERO; 3]);
+        bend(before, own, after)
+    };
+    let (first, width) = (at - 1, grid.width.get());
+    Some(bend(row(first - width), row(first), row(first + width)).magnitude())
 }
 
 /// The photon noise counts with this factor in the variance: the measured one is a lower bound.

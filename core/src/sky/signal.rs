@@ -5,7 +5,7 @@ use crate::arithmetic::machine::Task;
 use crate::arithmetic::{Level, Real};
 use crate::config::Config;
 use crate::plane::crew::{Crew, MOST_BANDS};
-use crate::plane::mask::{Mask, MaskMut, WORD, flooded};
+use crate::plane::mask::{Mask, MaskMut, WORD, bits_of, flooded};
 use crate::plane::part::{self, Question, Whole};
 use crate::plane::raster::{Sample, mixed};
 use crate::plane::rows::row_of;
@@ -397,14 +397,6 @@ impl<L: Level> Task for Marks<'_, L> {
             (*sources, *perhaps) = (inside & peaks, inside & !peaks);
         }
     }
-}
-
-/// A bit for each of at most [`WORD`] values, the lowest for the first: is it above a level.
-#[inline(always)]
-fn bits_of<L: Level>(values: &[L], level: L) -> u32 {
-    let bits = |values: &[L]| (0..).zip(values).fold(0, |bits, (bit, &value)| bits | u32::from(value > level) << bit);
-    // Of whole words the compiler knows how many there are.
-    values.first_chunk::<WORD>().map_or_else(|| bits(values), |values| bits(values))
 }
 
 /// Marks the pixels of row `y` that may be a source's where they touch one, one after another.

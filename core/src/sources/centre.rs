@@ -5,7 +5,7 @@ use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::field::{Field, offset};
 use crate::plane::grid::Grid;
-use crate::plane::rows::used_in;
+use crate::plane::rows::runs;
 use crate::plane::walk::Walk;
 use crate::sources::tree::{Noise, Region};
 use core::ops::Range;
@@ -84,11 +84,14 @@ pub(crate) fn each_pixel<L: Level>(
     walk.pass(labels.len(), 1, |part| {
         crew.each((1..).step_by(size).zip(regions.chunks_mut(size)), |(first, regions): (usize, _)| {
             for y in part.start / grid.width..part.end.div_ceil(width) {
-                let left = y * width;
-                for (at, label) in used_in(labels, part.start.max(left)..part.end.min(left + width)) {
-                    if let Some(region) = regions.get_mut((label as usize).wrapping_sub(first)) {
-                        take(region, at, (at - left, y));
-                    }
+                let (left, start) = (y * width, part.start.max(y * width));
+                let row = labels.get(start..part.end.min(left + width)).unwrap_or(&[]);
+                for (x, end, label) in runs(row) {
+                    let Some(region) = regions.get_mut((label as usize).wrapping_sub(first)) else { continue };
+                    // A copy, whose sums need not go through memory from pixel to pixel.
+                    let mut own = *region;
+                    (start + x..start + end).for_each(|at| take(&mut own, at, (at - left, y)));
+                    *region = own;
                 }
             }
         });

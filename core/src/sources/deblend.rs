@@ -19,6 +19,8 @@ use core::ops::Range;
 
 /// A pixel under examination.
 const OPEN: u32 = 1 << 31;
+/// A pixel that was, and is its host's: in the next search it is open again.
+const AGAIN: u32 = 1 << 30;
 
 /// Light of the pixel beyond what its source, mirrored, has there.
 fn excess<L: Level>(field: Field<'_, L>, centre: (L, L), at: usize) -> L {
@@ -27,6 +29,11 @@ fn excess<L: Level>(field: Field<'_, L>, centre: (L, L), at: usize) -> L {
 
 fn label_at(labels: &[u32], at: usize) -> u32 {
     labels.get(at).copied().unwrap_or(0)
+}
+
+/// The same while pixels are under examination.
+fn owner_at(labels: &[u32], at: usize) -> u32 {
+    label_at(labels, at) & !(OPEN | AGAIN)
 }
 
 /// The region with a label.
@@ -136,6 +143,18 @@ pub struct Reopening<'a, L: Level> {
     pub connectivity: Connectivity,
 }
 
+impl<L: Level> Reopening<'_, L> {
+    /// The least light beyond a host's that counts.
+    fn least(&self) -> L {
+        L::of(self.excess * self.noise.least.to_f32())
+    }
+
+    /// Whether a pixel has more light than its host there by what its own noise may bring.
+    fn is_significant(&self, at: usize, host: L) -> bool {
+        self.field.at(at) - host > self.least() * grown(self.noise.photon, self.field.at(at))
+    }
+}
+
 /// How far the search for sources beyond their hosts' light is, part by part.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opening<L: Level> {
@@ -186,7 +205,7 @@ impl<L: Level> Opening<L> {
 /// Opens the pixels that neither their host's mirrored light nor that of the frame's typical source
 /// explains, but none of a source that ends in a plateau, and makes each connected
 /// group of them a region that is large enough, also when a second source's light is taken away:
-/// where two large galaxies meet there is the light of both. `queue` is as long as the plane;
+/// where two large galaxies meet there is the light of both. All this so many times. `queue` is as long as the plane;
 /// regions are added to those that are counted.
 pub(crate) fn reopen<L: Level>(
     (walk, crew): (&mut Walk, &impl Crew),
@@ -194,41 +213,71 @@ pub(crate) fn reopen<L: Level>(
     reopening: &Reopening<'_, L>,
     labels: &mut [u32],
     queue: &mut [u32],
+    (regions, searches): (&mut [Region<L>], u32),
+) -> Option<()> {
+    let (height, width) = (reopening.field.grid.height, reopening.field.grid.width.get());
+    for search in 1..=searches {
+        walk.pass(height, width, |rows| open(crew, rows, reopening, search == 1, labels, regions))?;
+        let stays = if search < searches { AGAIN } else { 0 };
+        divide(walk, opening, reopening, (labels, stays), queue, regions)?;
+    }
+    Some(())
+}
+
+/// Opens pixels of some rows. What the search before found of a pixel holds while it has the same host: only new regions,
+/// whose area is not known yet, are asked again.
+fn open<L: Level>(
+    crew: &impl Crew,
+    rows: Range<usize>,
+    reopening: &Reopening<'_, L>,
+    is_first: bool,
+    labels: &mut [u32],
+    regions: &[Region<L>],
+) {
+    let &Reopening { field, typical, .. } = reopening;
+    let (new, least, width) = (L::Weight::of(NEW), reopening.least(), field.grid.width.get());
+    let band = (width * crew.rows(field.grid)).max(1);
+    let bands = (rows.start * width..).step_by(band).zip(rows_of_mut(labels, &rows, width).chunks_mut(band));
+    crew.each(bands, |(first, labels): (usize, _)| {
+        let mut next = 0;
+        while let Some(index) = next_with(labels, next, u32::MAX) {
+            next = index + 1;
+            let (Some(label), at) = (labels.get_mut(index), first + index) else { continue };
+            if *label & AGAIN != 0 {
+                *label = *label & !AGAIN | OPEN;
+            // Hosts have no light below 0.
+            } else if field.at(at) > least
+                && let Some(region) = region_of(regions, *label).filter(|region| region.plateau <= 0.0)
+                && (is_first || region.area == 0)
+                && let Some(mirrored) = field.mirrored(region.centre, at)
+                && field.at(at) > mirrored.scaled(new)
+                && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
+                && field.at(at) > host.scaled(new)
+                && reopening.is_significant(at, host)
+            {
+                *label |= OPEN;
+            }
+        }
+    });
+}
+
+/// Makes each connected group of open pixels a region, or gives it back to its host, whose label then has the bits of
+/// `stays` too.
+fn divide<L: Level>(
+    walk: &mut Walk,
+    opening: &mut Opening<L>,
+    reopening: &Reopening<'_, L>,
+    (labels, stays): (&mut [u32], u32),
+    queue: &mut [u32],
     regions: &mut [Region<L>],
 ) -> Option<()> {
-    let &Reopening { field, typical, noise, excess, least_area, connectivity } = reopening;
-    let (new, least) = (L::Weight::of(NEW), L::of(excess * noise.least.to_f32()));
-    let significant = |at: usize, host: L| field.at(at) - host > least * grown(noise.photon, field.at(at));
-    let width = field.grid.width.get();
-    walk.pass(field.grid.height, width, |rows| {
-        let band = (width * crew.rows(field.grid)).max(1);
-        let bands = (rows.start * width..).step_by(band).zip(rows_of_mut(labels, &rows, width).chunks_mut(band));
-        let known = &*regions;
-        crew.each(bands, |(first, labels): (usize, _)| {
-            let mut next = 0;
-            while let Some(index) = next_with(labels, next, u32::MAX) {
-                next = index + 1;
-                let (Some(label), at) = (labels.get_mut(index), first + index) else { continue };
-                // Hosts have no light below 0.
-                if field.at(at) > least
-                    && let Some(region) = region_of(known, *label).filter(|region| region.plateau <= 0.0)
-                    && let Some(mirrored) = field.mirrored(region.centre, at)
-                    && field.at(at) > mirrored.scaled(new)
-                    && let host = mirrored.greatest(typical.light(region.value, region.centre, field.place(at)))
-                    && field.at(at) > host.scaled(new)
-                    && significant(at, host)
-                {
-                    *label |= OPEN;
-                }
-            }
-        });
-    })?;
+    let &Reopening { field, typical, noise, least_area, connectivity, .. } = reopening;
     walk.once(1, || opening.next = 0)?;
     let mark = walk.mark();
     while let Some(first) = walk.seek_bits(labels, &mut opening.next, OPEN)? {
-        walk.once(1, || (opening.host, opening.beside) = (label_at(labels, first) & !OPEN, 0))?;
+        walk.once(1, || (opening.host, opening.beside) = (owner_at(labels, first), 0))?;
         let light = |label: u32| light_of(regions, label);
-        let known = gather(walk, opening, (field.grid, connectivity, first), (labels, queue), light)?;
+        let known = gather(walk, opening, (field.grid, connectivity, first), (labels, stays), queue, light)?;
         let group = |part: Range<usize>| queue.get(part).unwrap_or(&[]);
         walk.pass(known, 8, |part| {
             let before = if part.start == 0 { 0 } else { opening.unexplained };
@@ -241,7 +290,7 @@ pub(crate) fn reopen<L: Level>(
             let unexplained = group(part)
                 .iter()
                 .map(|&at| at as usize)
-                .filter(|&at| significant(at, explained(at)) && !is_of_host(at));
+                .filter(|&at| reopening.is_significant(at, explained(at)) && !is_of_host(at));
             opening.unexplained = before.saturating_add(unexplained.count() as u32);
         })?;
         walk.pass(known, 4, |part| {
@@ -279,13 +328,14 @@ pub(crate) fn reopen<L: Level>(
     Some(())
 }
 
-/// Gives the connected group of open pixels around the first back to its host and lists it in the queue. Gives its
-/// length, and finds of the other sources beside it the one with the most light.
+/// Gives the connected group of open pixels around the first back to its host, whose label then has the bits of `stays`
+/// too, and lists it in the queue. Gives its length, and finds of the other sources beside it the one with the most light.
 fn gather<L: Level>(
     walk: &mut Walk,
     opening: &mut Opening<L>,
     (grid, connectivity, first): (Grid, Connectivity, usize),
-    (labels, queue): (&mut [u32], &mut [u32]),
+    (labels, stays): (&mut [u32], u32),
+    queue: &mut [u32],
     light: impl Fn(u32) -> L::Sum,
 ) -> Option<usize> {
     let (host, beside) = (opening.host, &mut opening.beside);
@@ -293,7 +343,7 @@ fn gather<L: Level>(
         let known = &mut tally.count;
         let take = |at: usize, known: &mut usize, labels: &mut [u32], queue: &mut [u32]| {
             if let (Some(label), Some(place)) = (labels.get_mut(at), queue.get_mut(*known)) {
-                (*label, *place) = (host, at as u32);
+                (*label, *place) = (host | stays, at as u32);
                 *known += 1;
             }
         };
@@ -303,11 +353,11 @@ fn gather<L: Level>(
         }
         let Some(&at) = queue.get(next).filter(|_| next < *known) else { return false };
         for near in grid.touching(at as usize, connectivity.neighbours()) {
-            let label = label_at(labels, near);
-            if label == host | OPEN {
+            let owner = owner_at(labels, near);
+            if label_at(labels, near) == host | OPEN {
                 take(near, known, labels, queue);
-            } else if label & !OPEN != host && light(label & !OPEN) > light(*beside) {
-                *beside = label & !OPEN;
+            } else if owner != host && light(owner) > light(*beside) {
+                *beside = owner;
             }
         }
         next + 1 < *known
@@ -324,13 +374,13 @@ fn explained<L: Level>(
     [host, beside]: [u32; 2],
 ) -> impl Fn(usize) -> L {
     let divided = region_of(regions, host).map_or(0, |host| host.divided as usize);
-    let divided = label_at(labels, divided.wrapping_sub(1)) & !OPEN;
+    let divided = owner_at(labels, divided.wrapping_sub(1));
     let other = if beside != 0 { beside } else { divided };
     let region = region_of(regions, host).copied().unwrap_or(Region::BLANK);
     let there = centre_of(regions, other);
     move |at| {
         let own = host_light((field, typical), &region, at).unwrap_or(L::ZERO);
-        let shown = || field.nearest(field.across(there, at)).map_or(0, |at| label_at(labels, at) & !OPEN);
+        let shown = || field.nearest(field.across(there, at)).map_or(0, |at| owner_at(labels, at));
         if other == 0 || other == host || (beside == 0 && shown() != other) {
             return own;
         }
@@ -451,7 +501,7 @@ pub(crate) fn compete<L: Level>(
 /// Gives a pixel to the source that owns it; whether that is another than before.
 fn changes_owner<L: Level>(field: Field<'_, L>, labels: &mut [u32], regions: &[Region<L>], at: usize) -> bool {
     let own = label_at(labels, at);
-    if own == 0 || is_alone(labels, field.grid, at) {
+    if own == 0 {
         return false;
     }
     let (mut best, mut asked, mut is_other) = (own, 0, None);
@@ -504,25 +554,18 @@ impl Task for Piece<'_> {
         let (left, right) = (piece(first.checked_sub(1)), piece(Some(first + 1)));
         let (below, above) = (piece(first.checked_sub(width)), piece(Some(first + width)));
         let (Some(left), Some(right), Some(below), Some(above)) = (left, right, below, above) else { return unknown };
+        let is_other = |near: u32, own: u32| (near != 0) & (near != own);
         let mut open = [0; PIECE];
-        for near in [left, right, below, above] {
-            for ((open, &own), &near) in open.iter_mut().zip(own).zip(near) {
-                *open |= u32::from((own != 0) & (near != 0) & (near != own));
-            }
+        let near = left.iter().zip(right).zip(below.iter().zip(above));
+        for ((open, &own), ((&left, &right), (&below, &above))) in open.iter_mut().zip(own).zip(near) {
+            let along = is_other(left, own) | is_other(right, own);
+            *open = u32::from((own != 0) & (along | is_other(below, own) | is_other(above, own)));
         }
         if open.iter().fold(0, |any, open| any | open) == 0 {
             return 0;
         }
         (0..).zip(open).fold(0, |bits, (bit, open)| bits | open << bit)
     }
-}
-
-/// Whether a pixel within the frame touches no other source along an edge.
-fn is_alone(labels: &[u32], Grid { width, height }: Grid, at: usize) -> bool {
-    let (width, x, y, own) = (width.get(), at % width, at / width, label_at(labels, at));
-    let inner = x > 0 && x + 1 < width && y > 0 && y + 1 < height;
-    let is_other = |at: usize| ![0, own].contains(&label_at(labels, at));
-    inner && ![at - 1, at + 1, at - width, at + width].into_iter().any(is_other)
 }
 
 /// Moves outlines by their curvature: a pixel takes the label that at least six of the nine
@@ -659,31 +702,69 @@ mod tests {
 
     const SIDE: usize = 64;
 
-    /// Sources that are opened beside a round one of 1000 in the middle of a frame, by light `beside` it; so many of its
-    /// pixels are above half its peak.
-    fn opened<L: Level>(area: u32, beside: impl Fn(f32, f32) -> f32) -> usize {
+    /// A round source of 1000 in the middle of a frame, of which so many pixels are above half its peak, with light
+    /// `beside` it.
+    fn blend<L: Level>(area: u32, beside: impl Fn(f32, f32) -> f32) -> (Vec<L>, Vec<u32>, [Region<L>; 9]) {
         let light = |at: usize| {
             let (x, y) = ((at % SIDE) as f32, (at / SIDE) as f32);
             let squared = (x - 32.0) * (x - 32.0) + (y - 32.0) * (y - 32.0);
             L::of(1000.0 * libm::expf(-squared / 18.0) + beside(x, y))
         };
         let values: Vec<L> = (0..SIDE * SIDE).map(light).collect();
-        let field = Field { values: &values, grid: Grid::of(values.len(), SIDE).expect("there are columns") };
         let centre = (L::whole(32), L::whole(32));
         let mut regions = [Region::<L>::BLANK; 9];
         regions[0] = Region { peak: 32 * 64 + 32, value: L::of(1000.0), area, centre, ..Region::BLANK };
-        let [mut labels, mut queue] = [1, 0].map(|word| std::vec![word; values.len()]);
-        let reopening = Reopening {
-            field,
+        let labels = std::vec![1; values.len()];
+        (values, labels, regions)
+    }
+
+    fn reopening<L: Level>(values: &[L]) -> Reopening<'_, L> {
+        Reopening {
+            field: Field { values, grid: Grid::of(values.len(), SIDE).expect("there are columns") },
             typical: Typical::NONE,
             noise: Noise { least: L::of(0.4), photon: 0.0 },
             excess: 5.5,
             least_area: 4,
             connectivity: Connectivity::Eight,
-        };
-        let mut opening = Opening { count: Count { regions: 1, left_out: 0 }, ..Opening::NOTHING };
-        let _ = reopen((&mut Walk::whole(), &Alone), &mut opening, &reopening, &mut labels, &mut queue, &mut regions);
+        }
+    }
+
+    const ONE: Count = Count { regions: 1, left_out: 0 };
+
+    /// Sources that are opened there.
+    fn opened<L: Level>(area: u32, beside: impl Fn(f32, f32) -> f32) -> usize {
+        let (values, mut labels, mut regions) = blend::<L>(area, beside);
+        let (mut opening, mut queue) = (Opening { count: ONE, ..Opening::NOTHING }, std::vec![0; values.len()]);
+        let (walk, regions) = (&mut Walk::whole(), (&mut regions[..], 1));
+        let _ = reopen((walk, &Alone), &mut opening, &reopening(&values), &mut labels, &mut queue, regions);
         opening.count.regions - 1
+    }
+
+    /// Pixels that a second search opens, which knows of the first, and those that are opened where all are asked again.
+    fn what_a_search_has_found_holds<L: Level>() {
+        let star = |x: f32, y: f32, peak: f32, at: (f32, f32)| {
+            peak * libm::expf(-((x - at.0) * (x - at.0) + (y - at.1) * (y - at.1)) / 5.0)
+        };
+        // Two stars, which are one region at first, and three pixels, which are too few.
+        let few = |x: f32, y: f32| if y == 50.0 && (12.0..15.0).contains(&x) { 9.0 } else { 0.0 };
+        let beside = |x: f32, y: f32| star(x, y, 300.0, (50.0, 40.0)) + star(x, y, 90.0, (50.0, 47.0)) + few(x, y);
+        let (values, mut labels, mut regions) = blend::<L>(9, beside);
+        let (mut opening, mut queue) = (Opening { count: ONE, ..Opening::NOTHING }, std::vec![0; values.len()]);
+        let reopening = reopening(&values);
+        open(&Alone, 0..SIDE, &reopening, true, &mut labels, &regions);
+        let _ = divide(&mut Walk::whole(), &mut opening, &reopening, (&mut labels, AGAIN), &mut queue, &mut regions);
+        let mut asked: Vec<u32> = labels.iter().map(|label| label & !AGAIN).collect();
+        open(&Alone, 0..SIDE, &reopening, true, &mut asked, &regions);
+        open(&Alone, 0..SIDE, &reopening, false, &mut labels, &regions);
+        assert_eq!(labels, asked, "{}", L::NAME);
+        let open_of = |host: u32| labels.iter().filter(|&&label| label == host | OPEN).count();
+        assert!(open_of(1) == 3 && open_of(2) > 10, "{}: {} and {} pixels", L::NAME, open_of(1), open_of(2));
+    }
+
+    #[test]
+    fn what_a_search_has_found_holds_in_both_arithmetics() {
+        what_a_search_has_found_holds::<f32>();
+        what_a_search_has_found_holds::<Fixed14>();
     }
 
     /// By a look at as little as it takes, and at all there is.

@@ -6,7 +6,7 @@
 use crate::arithmetic::{Level, Real};
 use crate::plane::crew::Crew;
 use crate::plane::field::Field;
-use crate::plane::rows::{next_with, row_of, used};
+use crate::plane::rows::{next_with, row_of, runs};
 use crate::plane::walk::Walk;
 use crate::sources::centre::each_pixel;
 use crate::sources::deblend::region_of;
@@ -107,8 +107,10 @@ fn is_galaxy<L: Level>(field: Field<'_, L>, region: &Region<L>) -> bool {
 fn meet<L: Level>(y: usize, width: usize, labels: &[u32], regions: &mut [Region<L>]) {
     let (row, above) = (row_of(labels, width, y), row_of(labels, width, y + 1));
     let mut met = [0; 2];
-    for (x, own) in used(row) {
-        for near in [row.get(x + 1), above.get(x)].into_iter().flatten().copied() {
+    for (first, end, own) in runs(row) {
+        let last = end.saturating_sub(1);
+        let near = above.get(first..last).unwrap_or(&[]).iter().chain(row.get(end)).chain(above.get(last));
+        for &near in near {
             if near != 0 && near != own && met != [own, near] {
                 met = [own, near];
                 remember(regions, own, near);

@@ -7,7 +7,7 @@ use crate::arithmetic::Level;
 use crate::arithmetic::codec::Codec;
 use crate::config::Connectivity;
 use crate::plane::grid::Grid;
-use crate::plane::rows::{next_with, row_of, row_of_mut};
+use crate::plane::rows::{row_of, row_of_mut, runs};
 use crate::plane::walk::Walk;
 use crate::sources::tree::{ROOT, Region, root_of};
 
@@ -162,18 +162,6 @@ fn count_pieces<L: Level>(
         }
     }
     joining.first = end_above;
-}
-
-/// The runs of one label in a row: first column, end and label.
-fn runs(row: &[u32]) -> impl Iterator<Item = (usize, usize, u32)> {
-    let mut next = 0;
-    core::iter::from_fn(move || {
-        let first = next_with(row, next, u32::MAX)?;
-        let label = label_at(row, first);
-        let others = row.get(first..)?.iter().position(|&other| other != label);
-        next = others.map_or(row.len(), |length| first + length);
-        Some((first, next, label))
-    })
 }
 
 /// Makes the pieces of two runs one; whether they were two.

@@ -415,9 +415,7 @@ pub(crate) fn deblend<L: Level>(
     let Config { deblending, connectivity, .. } = *config;
     let Deblending { excess, reopened_area, .. } = deblending;
     let reopening = Reopening { field, typical, noise, excess, least_area: reopened_area, connectivity };
-    for _ in 0..REOPENINGS {
-        reopen((walk, crew), opening, &reopening, work.labels, work.order, work.regions)?;
-    }
+    reopen((walk, crew), opening, &reopening, work.labels, work.order, (work.regions, REOPENINGS))?;
     let regions = work.regions.get_mut(..opening.count.regions).unwrap_or(&mut []);
     for _ in 0..COMPETITIONS {
         shape((walk, crew), field, work.labels, regions)?;

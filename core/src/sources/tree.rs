@@ -199,15 +199,18 @@ pub(crate) fn grow<L: Level>(
     // In the share; nothing for what lies before.
     let before = *first as u32;
     let rank_of = |at: usize| listed(at)?.checked_sub(before);
+    // The same, and beyond all ranks for what is in none.
+    let rank_in = |at: usize| ranks.get(at).map_or(NONE, |rank| rank.wrapping_sub(before.wrapping_add(1)));
     for (rank, &pixel) in (0..).zip(*order).take(part.end).skip(part.start) {
         let at = pixel as usize;
         let value = field.at(at);
         let (mut roots, mut found, mut root) = ([NONE; 8], 0, NONE);
-        let known = |parents: &[u32], near: usize| rank_of(near).filter(|&near| near < rank && !is_out(parents, near));
-        for near in field.grid.touching(at, config.connectivity.neighbours()) {
-            let Some(known) = known(parents, near) else { continue };
+        let (around, open) = field.grid.around(at, config.connectivity.neighbours());
+        let ranks = (0..).zip(around).map(|(bit, near)| if open >> bit & 1 == 1 { rank_in(near) } else { NONE });
+        for &known in earlier(ranks, rank, &mut [0; 8]) {
             // Most neighbours are of one region, and some know its root.
-            if known != root && parents.get(known as usize) != Some(&root) {
+            let parent = parents.get(known as usize).copied().unwrap_or(NONE);
+            if parent != NONE && known != root && parent != root {
                 root = root_of(parents, known);
                 if !roots.contains(&root)
                     && let Some(free) = roots.get_mut(found)
@@ -223,7 +226,8 @@ pub(crate) fn grow<L: Level>(
             1 => Some(root),
             _ => {
                 let near = field.grid.touching(at, config.connectivity.neighbours());
-                let known = near.filter_map(|near| Some((field.at(near), known(parents, near)?)));
+                let known = |near: usize| rank_of(near).filter(|&near| near < rank && !is_out(parents, near));
+                let known = near.filter_map(|near| Some((field.at(near), known(near)?)));
                 let brighter =
                     |(bright, of), (value, known)| if value > bright { (value, known) } else { (bright, of) };
                 known.reduce(brighter).map(|(_, known)| root_of(parents, known))
@@ -363,6 +367,19 @@ fn gather<L: Level>(all: &mut Share<'_, L>, share: Range<usize>, from: usize, to
     for parent in all.parents.get_mut(share).unwrap_or(&mut []).iter_mut().filter(|parent| **parent != NONE) {
         *parent = parent.wrapping_add(if *parent & ROOT != 0 { to } else { first });
     }
+}
+
+/// Those of at most eight ranks that are below one, without asking for each: half of them are.
+#[inline]
+fn earlier(ranks: impl Iterator<Item = u32>, rank: u32, room: &mut [u32; 8]) -> &[u32] {
+    let mut count = 0;
+    for near in ranks {
+        if let Some(free) = room.get_mut(count) {
+            *free = near;
+        }
+        count += usize::from(near < rank);
+    }
+    room.get(..count).unwrap_or(&[])
 }
 
 /// Whether a pixel that was met is in no region.

@@ -1,5 +1,8 @@
 //! `DATASUM` and `CHECKSUM` of an HDU (FITS standard 4.0, section 4.4.2.7 and appendix J).
 
+use crate::machine::Native;
+use skyfront_core::arithmetic::machine::{Machine, Task};
+
 /// The sum of 32-bit words in ones' complement: what is carried out at the top comes in at the bottom.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sum(u32);
@@ -11,9 +14,9 @@ impl Sum {
         let (words, rest) = bytes.as_chunks::<4>();
         let mut last = [0; 4];
         last.iter_mut().zip(rest).for_each(|(to, &from)| *to = from);
-        // No image has 2^32 words a piece: the sum stays within 64 bits.
-        let sum: u64 = words.iter().chain([&last]).map(|&word| u64::from(u32::from_be_bytes(word))).sum();
-        self.0 = carried(u64::from(self.0) + carried(sum) as u64);
+        for words in [words, &[last]] {
+            self.0 = carried(u64::from(self.0) + u64::from(carried(Native::wide(Words(words)))));
+        }
     }
 
     /// The sum, as `DATASUM` tells it.
@@ -44,6 +47,18 @@ impl Sum {
 fn letters(byte: u8) -> [u8; 4] {
     let quarter = b'0' + byte / 4;
     [quarter + byte % 4, quarter, quarter, quarter]
+}
+
+/// Big-endian words that are summed up. No image has 2^32 of them a piece: the sum stays within 64 bits.
+struct Words<'a>(&'a [[u8; 4]]);
+
+impl Task for Words<'_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        self.0.iter().map(|&word| u64::from(u32::from_be_bytes(word))).sum()
+    }
 }
 
 fn carried(sum: u64) -> u32 {

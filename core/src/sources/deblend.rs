@@ -722,4 +722,17 @@ mod tests {
         assert_eq!(both(wide, &knot(8.0, 1.5)), [1; 2]);
         assert_eq!(both(wide, &knot(3.4, 4.0)), [1; 2]);
     }
+    #[test]
+    fn a_pixel_takes_the_label_of_six_of_its_neighbours() {
+        for (around, taken) in [
+            ([[1, 1, 1], [1, 2, 1], [2, 2, 1]], Some(1)),
+            ([[2, 2, 1], [1, 2, 1], [1, 1, 1]], Some(1)),
+            ([[1, 1, 1], [1, 2, 1], [2, 2, 2]], None),
+            ([[1, 1, 1], [1, 2, 1], [3, 2, 1]], Some(1)),
+            ([[1, 1, 3], [1, 2, 3], [3, 2, 1]], None),
+            ([[1, 2, 1], [2, 2, 2], [1, 1, 1]], None),
+        ] {
+            assert_eq!(straighter(around), taken, "{around:?}");
+        }
+    }
 }

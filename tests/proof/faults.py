@@ -43,7 +43,7 @@ FAULTS = [
     ("Otsu takes the last of equals", "core/src/sky/otsu.rs", "if <<between > best>> {", "between >= best", "core:sky:: all:thresholds::"),
     ("heat flows a little faster", "core/src/image/filter.rs", "i + <<filter.lambda>> * ((l + r) + (b + a)));\n        }\n    }\n}\n\n/// One step of Perona", "(filter.lambda + filter.lambda)", "all:crosscheck::"),
     ("F1 is F2", "core/src/image/filter.rs", "Diffusivity::F1 => <<d.ratio(A::Real::ONE + s * s)>>,", "A::exp_neg(s * s) * d", "all:rules::every_filter"),
-    ("the median is the next", "core/src/image/filter/median.rs", "let [_, median, _] = <<sorted([least, middle, greatest])>>;", "[least, greatest, middle]", "core:image::median"),
+    ("the median is the next", "core/src/image/filter/median.rs", "let [_, median, _] = <<sorted([least, middle, greatest])>>;", "[least, greatest, middle]", "core:image::filter::median::"),
     # Edge detector and front.
     ("g1 is steeper", "core/src/front/edge.rs", "one.ratio(one + A::pow(<<z>>, p));", "z + z", "all:rules::every_filter"),
     ("g2 forgets the least gradient", "core/src/front/edge.rs", "(s - <<least>>).ratio(span)", "A::Real::ZERO", "all:crosscheck::"),
@@ -56,7 +56,7 @@ FAULTS = [
     ("fast marching goes around corners", "core/src/front/march.rs", "<<0.5 * ((first + second) + A::root(2.0 * delay * delay - lag * lag))>> } else", "first + delay", "all:rules::every_front"),
     ("the front rests too early", "core/src/front/stop.rs", "rest: <<(eps / scale) as u64>>", "(4.0 * eps / scale) as u64", "all:crosscheck::"),
     ("a banded front does not grow", "core/src/front/settle.rs", "(v + <<growth>>).least", "A::Real::ZERO", "core:front::settle all:rules::every_front"),
-    ("the start is a step nearer", "core/src/front/start.rs", "<<margin + 2.0 * FLOOR>>", "margin + 1.0 * FLOOR", "core:front::start all:rules::every_front"),
+    ("distances end where the front starts", "core/src/front/start.rs", "<<margin + 2.0 * FLOOR>>", "margin", "core:front::start all:rules::every_front"),
     ("the outline moves with the wrong side", "core/src/front/outline.rs", "(if <<outwards>> { rise }", "!outwards", "core:front::outline all:rules_default::"),
     ("the outline bends less", "core/src/front/outline.rs", "- <<twist * (x * y)>> +", "L::ZERO", "core:front::outline all:rules_default::"),
     # Sources.

@@ -30,7 +30,7 @@ FAULTS = [
     ("a cell is read at the next column", "core/src/sky/mesh.rs", "sides(size, grid, <<place + column>>)", "place + (column + 1) % cells.len()", "core:sky:: all:rules_default::"),
     ("the sky's slope ends at the outer cells", "core/src/sky/mesh.rs", "near + <<slope>> * (near - far)", "0.0", "core:sky:: all:rules_default::"),
     ("the sky is not smoothed", "core/src/sky/mesh.rs", "sort::few(&mut values, |a, b| a.key() < b.key());\n    let [.., middle, _, _, _, _] = <<values>>;", "{ let [_, _, _, _, least, ..] = values; let mut copy = values; copy[4] = least * 1.01; copy }", "core:sky:: all:rules_default::"),
-    ("spikes keep their light", "core/src/sky/spike.rs", "(own - median > height && alone).then_some(<<median>>)", "own", "core:sky::spike all:rules_default::every_choice"),
+    ("spikes keep their light", "core/src/sky/spike.rs", "(own - median > height && alone).then_some(<<median>>)", "own", "core:sky:: all:rules_default::"),
     ("the mirror at the border misses a pixel", "core/src/plane/smooth.rs", "else { <<distance - at - 1>> };", "distance - at", "core:plane:: all:rules_default::"),
     ("everything is smoothed by the spline", "core/src/sky/signal.rs", "magnitude() >= <<least>> { fine }", "least + least", "all:rules_default::"),
     ("the mask is too narrow", "core/src/sky/signal.rs", "mark_rows(rows, (work.fine, <<L::of(NEAR)>>), work.rows", "L::of(0.25)", "all:rules_default::"),
@@ -43,7 +43,7 @@ FAULTS = [
     ("Otsu takes the last of equals", "core/src/sky/otsu.rs", "if <<between > best>> {", "between >= best", "core:sky:: all:thresholds::"),
     ("heat flows a little faster", "core/src/image/filter.rs", "i + <<filter.lambda>> * ((l + r) + (b + a)));\n        }\n    }\n}\n\n/// One step of Perona", "(filter.lambda + filter.lambda)", "all:crosscheck::"),
     ("F1 is F2", "core/src/image/filter.rs", "Diffusivity::F1 => <<d.ratio(A::Real::ONE + s * s)>>,", "A::exp_neg(s * s) * d", "all:rules::every_filter"),
-    ("the median is the next", "core/src/image/filter/median.rs", "let [_, median, _] = <<sorted([least, middle, greatest])>>;", "[least, greatest, middle]", "core:image::median"),
+    ("the median is the next", "core/src/image/filter/median.rs", "let [_, median, _] = <<sorted([least, middle, greatest])>>;", "[least, greatest, middle]", "core:image::filter::median::"),
     # Edge detector and front.
     ("g1 is steeper", "core/src/front/edge.rs", "one.ratio(one + A::pow(<<z>>, p));", "z + z", "all:rules::every_filter"),
     ("g2 forgets the least gradient", "core/src/front/edge.rs", "(s - <<least>>).ratio(span)", "A::Real::ZERO", "all:crosscheck::"),
@@ -56,7 +56,7 @@ FAULTS = [
     ("fast marching goes around corners", "core/src/front/march.rs", "<<0.5 * ((first + second) + A::root(2.0 * delay * delay - lag * lag))>> } else", "first + delay", "all:rules::every_front"),
     ("the front rests too early", "core/src/front/stop.rs", "rest: <<(eps / scale) as u64>>", "(4.0 * eps / scale) as u64", "all:crosscheck::"),
     ("a banded front does not grow", "core/src/front/settle.rs", "(v + <<growth>>).least", "A::Real::ZERO", "core:front::settle all:rules::every_front"),
-    ("the start is a step nearer", "core/src/front/start.rs", "<<margin + 2.0 * FLOOR>>", "margin + 1.0 * FLOOR", "core:front::start all:rules::every_front"),
+    ("distances end where the front starts", "core/src/front/start.rs", "<<margin + 2.0 * FLOOR>>", "margin", "core:front::start all:rules::every_front"),
     ("the outline moves with the wrong side", "core/src/front/outline.rs", "(if <<outwards>> { rise }", "!outwards", "core:front::outline all:rules_default::"),
     ("the outline bends less", "core/src/front/outline.rs", "- <<twist * (x * y)>> +", "L::ZERO", "core:front::outline all:rules_default::"),
     # Sources.

@@ -94,4 +94,12 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn distances_end_beyond_what_a_front_keeps() {
+        let mut distance = [0.0f32; 3];
+        mark_row::<F32>(&[0.0, 0.6, 0.5], 0.5, 3.0, &mut distance);
+        assert_eq!(distance[1], 0.0);
+        assert!(distance[0] == distance[2] && distance[0] > 3.0 + FLOOR, "{distance:?}");
+    }
 }

@@ -314,6 +314,17 @@ mod tests {
         light_is_level_on_ellipses::<Fixed14>();
     }
 
+    /// Parabolas through 4, 8 and 6 and through 2, 8 and 6; the frame ends beside the other peak.
+    #[test]
+    fn a_centre_is_the_vertex_of_the_parabolas_and_the_nearest_pixel_is_its_peak() {
+        let values = [0.0f32, 2.0, 0.0, 4.0, 8.0, 6.0, 0.0, 6.0, 0.0, 9.0, 0.0, 0.0];
+        let field = Field { values: &values, grid: Grid::of(12, 3).expect("there are columns") };
+        // A sixth of a pixel in whole parts of 1/256, and a quarter.
+        assert_eq!([field.centre(4), field.centre(9)], [(1.0 + 43.0 / 256.0, 1.25), (0.0, 3.0)]);
+        let places = [field.centre(4), (1.6, 0.4), (0.4, 1.6), (2.1, 1.0)];
+        assert_eq!(places.map(|place| field.nearest(place)), [Some(4), Some(2), Some(6), None]);
+    }
+
     #[test]
     fn a_needle_has_no_ellipse() {
         assert_eq!(Ellipse::<f32>::of((0.99, 0.0)), None);

@@ -374,7 +374,7 @@ mod tests {
     #[test]
     fn digits_that_all_keys_share_change_no_order() {
         let mut spare = [7; MANY + WIDE_ROOM];
-        for shared in [0, 0xFF, 0xFF00, 0xFF_0000, 0xFF00_FF00, 0x00FF_FFFF, 0x003F_F800, u32::MAX] {
+        for shared in [0, 0xFF, 0xFF00, 0xFF_0000, 0xFF00_FF00, 0x00FF_FFFF, 0x003F_F800, 0xFFFF_FC00, u32::MAX] {
             let key = |item: u32| item.wrapping_mul(0x9E37_79B1) & !shared;
             // By bytes, with too little room for wide digits, and by these.
             for (count, room) in [(300, 300), (MANY, MANY + WIDE_ROOM - 1), (MANY, MANY + WIDE_ROOM)] {

@@ -240,11 +240,16 @@ mod tests {
 
     /// The active tiles of a frame of 5 x 5 tiles after a step in which one pixel changed.
     fn woken(x: usize, y: usize) -> [[bool; 5]; 5] {
+        woken_by(x, y, true)
+    }
+
+    fn woken_by(x: usize, y: usize, corners: bool) -> [[bool; 5]; 5] {
         let (width, height) = (5 * COLUMNS - 3, 38);
         let mut flags = [0; 30];
         assert_eq!(flags.len(), flags_len(width, height));
         let mut tiles = Tiles::new(&mut flags, width, rows_of_tile(height));
         tiles.wake();
+        tiles.look_at_corners(corners);
         assert_eq!(tiles.next_run(0, 0), Some(0..5));
         let (old, mut new) = ([0.0f32; COLUMNS], [0.0f32; COLUMNS]);
         new[x % COLUMNS] = 1e-45;
@@ -252,7 +257,10 @@ mod tests {
         let flag = &mut tiles.flags_of(y / 8, &(column..column + 1))[0];
         Marker::new::<11>(y % 8, 8).mark::<_, 11>(flag, &old, &new);
         tiles.turn(&[], &[]);
-        core::array::from_fn(|row| core::array::from_fn(|column| tiles.is_active(row, column)))
+        let woken = core::array::from_fn(|row| core::array::from_fn(|column| tiles.is_active(row, column)));
+        tiles.turn(&[], &[]);
+        assert_eq!(flags, [0; 30], "all sleep, and their rows, after a step without a change");
+        woken
     }
 
     /// Every tile of `rows` and `columns` must be active; none two tiles away from them may be.
@@ -274,7 +282,14 @@ mod tests {
         check(woken(3 * COLUMNS + 9, row), 1..3, 3..4);
         check(woken(3 * COLUMNS, row), 1..3, 2..4);
         check(woken(4 * COLUMNS - 1, row + 7), 2..4, 3..5);
+        check(woken(4 * COLUMNS - 5, row + 7), 2..4, 3..5);
         check(woken(5 * COLUMNS - 4, 37), 4..5, 4..5);
         check(woken(0, 0), 0..1, 0..1);
+    }
+    #[test]
+    fn a_corner_wakes_the_tile_beyond_it_where_a_step_looks_there() {
+        for (x, row, column) in [(2 * COLUMNS, 1, 1), (3 * COLUMNS - 1, 1, 3)] {
+            assert_eq!([true, false].map(|corners| woken_by(x, 16, corners)[row][column]), [true, false]);
+        }
     }
 }

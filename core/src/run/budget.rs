@@ -125,3 +125,17 @@ fn step(config: &Config) -> &'static str {
         (Scheme::Region | Scheme::FastMarching, _, _) => "none",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_that_are_no_roots_are_work_of_their_own() {
+        let words = |alpha, p| {
+            let config = Config { rescale: Rescale::R1 { alpha }, edge: Edge::G1 { p }, ..Config::PAPER_F160 };
+            [Stage::Rescale, Stage::Edge].map(|stage| variant(&config, stage))
+        };
+        assert_eq!([words(0.25, 2.0), words(0.3, 3.0)], [["r1", "g1"], ["r1-power", "g1-power"]]);
+    }
+}

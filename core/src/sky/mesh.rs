@@ -714,6 +714,33 @@ mod tests {
         }
     }
 
+    /// Levels and noise bend, so that each place tells the cells it lies between.
+    #[test]
+    fn between_cells_there_is_what_lies_on_the_line_and_beyond_them_noise_stays() {
+        let (mut cells, square) = (cells(), |n: usize| (n * n) as f32);
+        cells.iter_mut().enumerate().for_each(|(n, cell)| {
+            *cell = Sky { level: square(n % 5), noise: 1.0 + square(n / 5) };
+        });
+        let mesh = Mesh::over(&mut cells, (SIDE, SIDE), CELL);
+        // Centres lie at 31.5 and so on, 64 pixels apart.
+        for (at, first, part) in [(0, 0, -63.0), (40, 0, 17.0), (130, 1, 69.0), (200, 2, 81.0), (319, 3, 191.0)] {
+            let (near, next, part) = (square(first), square(first + 1), part / 128.0);
+            let line = |part: f32| near + part * (next - near);
+            let (level, noise) = (mesh.at(at, 100).level, mesh.at(100, at).noise);
+            assert!((level - line(part)).abs() < 1e-5, "{level} at {at}, not {}", line(part));
+            assert!((noise - 1.0 - line(part.clamp(0.0, 1.0))).abs() < 1e-5, "{noise} at {at}");
+        }
+    }
+
+    #[test]
+    fn pixels_are_counted_as_what_they_are() {
+        let mut count = Count::default();
+        for seen in [Seen::Sky, Seen::Source, Seen::Undefined, Seen::Sky] {
+            assert!(count.sees(seen) == seen);
+        }
+        assert_eq!((count.all, count.defined, count.sky), (4, 3, 2));
+    }
+
     #[test]
     fn a_cell_without_sky_has_that_of_its_neighbours() {
         let source = |x: usize, y: usize| (64..128).contains(&x) && (64..128).contains(&y);

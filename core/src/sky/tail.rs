@@ -266,6 +266,47 @@ mod tests {
     }
 
     #[test]
+    fn skewness_is_that_around_the_mean() {
+        let around = |mean: f32| {
+            let values: Vec<f32> = (0..10_000).map(|n| mean - libm::logf((n as f32 + 0.5) / 1e4) - 1.0).collect();
+            tail(&values, PILED).skewness
+        };
+        assert!((around(0.3) - around(0.0)).abs() < 0.2, "{} beside {}", around(0.3), around(0.0));
+    }
+
+    #[test]
+    fn heights_are_raised_by_a_sixth_of_the_skewness() {
+        let tail = Tail { noise: 2.0f32, skewness: 1.5 };
+        assert_eq!((tail.raised(3.0), tail.height(3.0)), (5.0, 10.0));
+    }
+
+    /// The squares of 0 to 19: the median is 100, and the middle of the halves 16 and 225.
+    #[test]
+    fn noise_is_told_by_the_middle_of_the_lower_half_or_of_both() {
+        let sorted: [u32; 20] = core::array::from_fn(|n| ((n * n) as f32).key());
+        for (shape, quartile) in [(EVEN, 84.0), (PILED, 104.5)] {
+            assert_eq!(Tail::<f32>::of_sample(&sorted, shape), Tail { noise: quartile * FROM_QUARTILE, skewness: 0.0 });
+        }
+        assert_eq!(Tail::<f32>::of_sample(&sorted[..15], EVEN), Tail::UNKNOWN);
+    }
+
+    #[test]
+    fn little_skewness_is_none_and_more_than_is_believed_is_cut() {
+        let found = |third: f32| skewness([1.0, 0.0, 1.0, f64::from(third)]);
+        assert_eq!([0.149, LEAST, 1.0, 3.0].map(found), [0.0, LEAST, 1.0, MOST]);
+        assert_eq!([skewness([4.0, 1.0, 0.0, 0.0]), skewness_of([4.0, 4.0, 4.0, 4.0])], [0.0; 2]);
+    }
+
+    #[test]
+    fn sums_of_powers_tell_the_same_skewness() {
+        let values = [-1.0f32, -0.5, 0.25, 0.5, 1.0, 3.0];
+        let mean = values.iter().sum::<f32>() / 6.0;
+        let sum = |power: i32| values.iter().map(|value| f64::from(value - mean).powi(power)).sum::<f64>();
+        let (found, exact) = (skewness_of(part_powers(values.into_iter())), skewness([6.0, 0.0, sum(2), sum(3)]));
+        assert!((found - exact).abs() < 1e-5 && exact > 0.5, "{found}, not {exact}");
+    }
+
+    #[test]
     fn sources_do_not_count() {
         let mut values = normal(10_000, 0.0, 1.0);
         values.extend([500.0; 300]);

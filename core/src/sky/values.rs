@@ -448,6 +448,12 @@ mod tests {
     }
 
     #[test]
+    fn every_pixel_of_a_whole_frame_is_defined() {
+        let values = measured(&strewn(100.0, 3.0));
+        assert_eq!((values.defined, values.filled), (10_000, 0));
+    }
+
+    #[test]
     fn what_fills_a_part_of_the_frame_is_undefined() {
         for (level, noise, whole) in [
             (0.0, 5.0, false),

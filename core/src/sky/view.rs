@@ -185,3 +185,18 @@ impl<'a, P: Sample> View<'a, P> {
         self.is_defined(at) || self.between(at).is_some()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_pixels_are_listed_row_by_row() {
+        let check = |bad: &[(u16, u16)]| {
+            let bad: heapless::Vec<BadPixel, 4> = bad.iter().map(|&(x, y)| BadPixel { x, y }).collect();
+            Known { bad: &bad, ..Known::default() }.check().is_ok()
+        };
+        assert!(check(&[]) && check(&[(3, 0), (5, 0), (5, 0), (1, 1)]));
+        assert!(!check(&[(3, 0), (2, 0)]) && !check(&[(3, 0), (5, 1), (9, 0)]));
+    }
+}

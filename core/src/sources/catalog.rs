@@ -219,4 +219,18 @@ mod tests {
         assert!((ellipse.a - libm::sqrtf(0.4)).abs() < 1e-6);
         assert_eq!((ellipse.b, ellipse.theta), (0.0, 0.0));
     }
+    /// Weights of 1, 2 and 1 above the floor.
+    #[test]
+    fn three_pixels_askew() {
+        let mut source = Source::empty(1);
+        for (x, y, value) in [(10, 7, 1.5), (12, 8, 2.5), (13, 9, 1.5)] {
+            source.add(x, y, value, 0.5);
+        }
+        assert_eq!((source.sum(), source.centroid_offset(), source.centroid()), (5.5, (1.75, 1.0), (11.75, 8.0)));
+        assert_eq!(source.second_moments(), (1.1875, 0.75, 0.5));
+        let (ellipse, spread) = (source.ellipse(), libm::hypotf(0.34375, 0.75));
+        assert!((ellipse.a - libm::sqrtf(0.84375 + spread)).abs() < 1e-6, "{ellipse:?}");
+        assert!((ellipse.b - libm::sqrtf(0.84375 - spread)).abs() < 1e-6, "{ellipse:?}");
+        assert!((ellipse.theta - 0.5 * libm::atan2f(0.75, 0.34375)).abs() < 1e-6, "{ellipse:?}");
+    }
 }

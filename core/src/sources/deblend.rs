@@ -840,4 +840,18 @@ mod tests {
         let on_the_flank = |x: f32, y: f32| flank(x, y) + 3.0 * shoulder(x, y);
         assert_eq!([opened::<f32>(9, on_the_flank), opened::<Fixed14>(9, on_the_flank)], [1; 2]);
     }
+
+    #[test]
+    fn a_pixel_takes_the_label_of_six_of_its_neighbours() {
+        for (around, taken) in [
+            ([[1, 1, 1], [1, 2, 1], [2, 2, 1]], Some(1)),
+            ([[2, 2, 1], [1, 2, 1], [1, 1, 1]], Some(1)),
+            ([[1, 1, 1], [1, 2, 1], [2, 2, 2]], None),
+            ([[1, 1, 1], [1, 2, 1], [3, 2, 1]], Some(1)),
+            ([[1, 1, 3], [1, 2, 3], [3, 2, 1]], None),
+            ([[1, 2, 1], [2, 2, 2], [1, 1, 1]], None),
+        ] {
+            assert_eq!(straighter(around), taken, "{around:?}");
+        }
+    }
 }

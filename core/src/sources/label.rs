@@ -218,3 +218,49 @@ impl<'a, C: Cell> Table<'a, C> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arithmetic::F32;
+
+    const WIDTH: usize = 6;
+
+    fn labelled(rows: [&[u8; WIDTH]; 4], connectivity: Connectivity, min_area: u32) -> [[u8; WIDTH]; 4] {
+        let mut front = rows.map(|row| row.map(|cell| if cell == b'#' { 1.0f32 } else { -1.0 }));
+        let (mut cells, mut labels, mut numbered) = ([0.0f32; 4 * WIDTH], 0, 0);
+        let mut table = Table::new(&mut cells);
+        for y in 0..4 {
+            let (before, rest) = front.split_at_mut(y);
+            let before = before.last().map_or(&[][..], |row| row);
+            let left = table.provisional_row::<F32>(&mut rest[0], before, &[0.0; WIDTH], connectivity, &mut labels);
+            assert_eq!(left, Ok(0));
+        }
+        (1..=labels).for_each(|label| assert_eq!(table.resolve(label), Ok(())));
+        front.iter_mut().for_each(|row| assert_eq!(table.count_row(row), Ok(())));
+        (1..=labels).for_each(|label| assert_eq!(table.number(label, min_area, &mut numbered), Ok(())));
+        front.iter_mut().for_each(|row| assert_eq!(table.final_row(row), Ok(())));
+        front.map(|row| row.map(|cell| if cell == 0.0 { b'.' } else { b'0' + cell as u8 }))
+    }
+
+    /// Two arms that meet below, two pixels that meet at a corner, and one alone.
+    #[test]
+    fn components_are_numbered_in_the_order_of_their_first_pixels() {
+        let rows = [b"#.#..#", b"#.#.#.", b"###...", b".....#"];
+        let eight = [b"1.1..2", b"1.1.2.", b"111...", b".....3"];
+        let four = [b"1.1..2", b"1.1.3.", b"111...", b".....4"];
+        let large = [b"1.1..2", b"1.1.2.", b"111...", b"......"];
+        assert_eq!(labelled(rows, Connectivity::Eight, 1), eight.map(|row| *row));
+        assert_eq!(labelled(rows, Connectivity::Four, 1), four.map(|row| *row));
+        assert_eq!(labelled(rows, Connectivity::Eight, 2), large.map(|row| *row));
+    }
+
+    #[test]
+    fn labels_lead_to_the_first_and_what_leads_elsewhere_is_damage() {
+        let first = |cells: &mut [f32], label| Table::new(cells).first(label);
+        assert_eq!(first(&mut [1.0, 1.0, 2.0, 3.0], 4), Ok(1));
+        for (mut cells, label) in [([2.0f32, 2.0, 0.0], 1), ([1.0, 3.0, 2.0], 3), ([0.0, 1.0, 1.0], 2)] {
+            assert_eq!(first(&mut cells, label), Err(Damaged), "{cells:?}");
+        }
+    }
+}

@@ -427,6 +427,12 @@ mod tests {
     use crate::plane::grid::Grid;
 
     #[test]
+    fn a_region_begins_as_one_pixel() {
+        let Region { peak, value, area, .. } = Region::<f32>::of(3, 2.0);
+        assert_eq!((peak, value, area), (3, 2.0, 1));
+    }
+
+    #[test]
     fn a_region_is_divided_from_what_became_a_source() {
         let region = Region::<f32> { label: 2, divided: 4, ..Region::BLANK };
         assert_eq!(region.divided_from(&[2, 2, 0, 1]), Some(1));

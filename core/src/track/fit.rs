@@ -87,6 +87,12 @@ fn span(centre: f32, reach: usize, length: usize) -> (usize, usize) {
     (middle.saturating_sub(reach).min(last), middle.saturating_add(reach).min(last))
 }
 
+/// Whether a centre lies on a pixel along an axis; where pixels end it is on none.
+fn is_within<R: Real>(centre: R, length: usize) -> bool {
+    let half = R::of(0.5);
+    centre > -half && centre < R::of(length as f32) - half
+}
+
 /// A window on its way to the star's centre.
 pub struct Fit<'a, A: Arithmetic, P> {
     view: &'a View<'a, P>,
@@ -235,10 +241,7 @@ impl<'a, A: Arithmetic, P: Pixel> Fit<'a, A, P> {
         self.centre = (self.centre.0 + x, self.centre.1 + y);
         (self.sky, self.star) = (solution.sky * A::Real::of(SKY), solution.star);
         self.moved = x.magnitude().greatest(y.magnitude()).to_f32();
-        let inside = |place: A::Real, length: usize| {
-            place > A::Real::of(-0.5) && place < A::Real::of(length as f32) - A::Real::of(0.5)
-        };
-        let within = inside(self.centre.0, self.view.size.0) && inside(self.centre.1, self.view.size.1);
+        let within = is_within(self.centre.0, self.view.size.0) && is_within(self.centre.1, self.view.size.1);
         self.look_at_border();
         within.then_some(Step { solution, variance: weights.variance })
     }
@@ -342,6 +345,11 @@ mod tests {
     fn spans_reach_as_far_on_both_sides_and_not_beyond_the_view() {
         assert_eq!([span(8.4, 3, 20), span(8.6, 3, 20)], [(5, 11), (6, 12)]);
         assert_eq!([span(1.0, 3, 20), span(18.0, 3, 20), span(-0.4, 3, 20)], [(0, 4), (15, 19), (0, 3)]);
+    }
+
+    #[test]
+    fn a_view_ends_where_its_pixels_do() {
+        assert_eq!([-0.5, -0.49, 9.49, 9.5].map(|centre: f32| is_within(centre, 10)), [false, true, true, false]);
     }
 
     fn camera(gain: f32) -> Camera {
@@ -572,5 +580,18 @@ mod tests {
         for (gain, least) in [(1.0, 1270), (2.0, 1215)] {
             assert_eq!((1150..1400).find(|beside| flags(*beside, gain) != 0), Some(least));
         }
+    }
+
+    /// Of photons without number, so that the noise is that of whole counts, on a pixel without star.
+    #[test]
+    fn what_stands_as_high_as_star_and_noise_is_no_other_source() {
+        let flags = |part: f32| {
+            fitted(&pixels(1000.0, 400.0, (10.0, 10.0)), &camera(1e30), &[], |mut fit| {
+                let most = SIGNIFICANT * libm::sqrtf(1.0 / 12.0) * fit.unit;
+                (fit.base, fit.sky, fit.star) = (1400, -most * part, 0.0);
+                fit.flags() & BLENDED
+            })
+        };
+        assert_eq!([flags(1.0), flags(1.0 + 1e-6)], [0, BLENDED]);
     }
 }

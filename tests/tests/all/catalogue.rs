@@ -227,6 +227,19 @@ fn columns_are_chosen_by_our_names_or_sextractors() {
 }
 
 #[test]
+fn columns_made_of_others_agree_with_them() {
+    let csv = csv_with("made-of-others", &["--columns", "a,b,elongation,ellipticity,flags,flags_sex"]);
+    for row in 1..csv.len() {
+        let number = |name: &str| cell(&csv, row, name).parse::<f64>().expect(name);
+        let (a, b) = (number("a"), number("b"));
+        assert!(a > b && (number("elongation") - a / b).abs() < 1e-6, "{csv:?}");
+        assert!((number("ellipticity") - (1.0 - b / a)).abs() < 1e-6, "{csv:?}");
+        assert_eq!([number("flags"), number("flags_sex")], [0.0; 2], "nothing is wrong with them");
+    }
+    assert_eq!(csv.len(), 3, "two sources");
+}
+
+#[test]
 fn columns_that_cannot_be_had_are_bad_usage() {
     for (options, word) in [
         (&["--columns", "fluxx"][..], "fluxx"),

@@ -239,6 +239,36 @@ fn shapes_are_turned_onto_the_sky() {
     assert!(ellipse.theta.abs() < 1e-5, "along north: {}", ellipse.theta);
 }
 
+/// Pixels aslant: an ellipse of 2 and 1 arcsec, 25 degrees from north through east, by what it covers of the pixels.
+#[test]
+fn shapes_are_those_on_the_sky_however_pixels_lie() {
+    let text = "CTYPE1  = 'RA---TAN'\nCTYPE2  = 'DEC--TAN'\nCRPIX1  = 1.0\nCRPIX2  = 1.0\nCRVAL1  = 30.0\n\
+                CRVAL2  = 60.0\nCD1_1   = -1.2E-4\nCD1_2   = 5E-5\nCD2_1   = 7E-5\nCD2_2   = 1.1E-4";
+    let sky = Sky::of(&header(text)).expect("supported").expect("celestial");
+    let patch = sky.patch(0.0, 0.0).expect("a patch");
+    let (sin, cos) = 25f64.to_radians().sin_cos();
+    let (north, east, both) = (4.0 * cos * cos + sin * sin, 4.0 * sin * sin + cos * cos, 3.0 * sin * cos);
+    let ((ex, ey), (nx, ny)) = (patch.pixels(1.0, 0.0).expect("a place"), patch.pixels(0.0, 1.0).expect("a place"));
+    let moment = |e: (f64, f64), n: (f64, f64)| east * e.0 * e.1 + north * n.0 * n.1 + both * (e.0 * n.1 + e.1 * n.0);
+    let ellipse = patch.ellipse((moment((ex, ex), (nx, nx)), moment((ey, ey), (ny, ny)), moment((ex, ey), (nx, ny))));
+    assert!((ellipse.a - 2.0).abs() < 1e-6 && (ellipse.b - 1.0).abs() < 1e-6, "{ellipse:?}");
+    assert!((ellipse.theta.to_degrees() - 25.0).abs() < 1e-6, "{ellipse:?}");
+}
+
+/// The four faces of the cube around its equator, at their middles and half way to the right.
+#[test]
+fn a_cube_s_faces_follow_each_other() {
+    let text = "CTYPE1  = 'RA---TSC'\nCTYPE2  = 'DEC--TSC'\nCRPIX1  = 1.0\nCRPIX2  = 1.0\nCRVAL1  = 100.0\n\
+                CRVAL2  = 0.0\nCDELT1  = -1.0\nCDELT2  = 1.0";
+    let sky = Sky::of(&header(text)).expect("supported").expect("celestial");
+    for (x, ra) in [(0.0, 100.0), (90.0, 10.0), (180.0, 280.0), (-90.0, 190.0)] {
+        for (aside, degrees) in [(0.0, 0.0), (22.5, 0.5f64.atan().to_degrees())] {
+            let (found, dec) = sky.position(x - aside, 0.0).expect("a place");
+            assert!((found - ra - degrees).abs() < 1e-9 && dec.abs() < 1e-9, "{found}, {dec} at {x} and {aside}");
+        }
+    }
+}
+
 /// The rotation stands with the latitude axis, wherever that is; the places are astropy's.
 #[test]
 fn a_rotation_turns_swapped_axes_the_right_way() {

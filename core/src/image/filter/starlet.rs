@@ -166,6 +166,11 @@ mod tests {
     extern crate std;
     use std::vec::Vec;
 
+    #[test]
+    fn the_spline_weighs_five_values() {
+        assert_eq!(spline::<F32>([16.0, 8.0, 4.0, 2.0, 1.0]), 17.0 / 16.0 + 40.0 / 16.0 + 24.0 / 16.0);
+    }
+
     /// The outer product of a kernel with itself is that of the plane: its sums are products of
     /// sums.
     #[test]

@@ -334,7 +334,10 @@ impl Parameter {
             Numbers::None => Ok(()),
             Numbers::Whole(number) => first.check(self.name, number as f32),
             Numbers::One(number) => first.check(self.name, number),
-            Numbers::Two(one, other) => first.check(self.name, one).and_then(|()| second.check(self.name, other)),
+            Numbers::Two(one, other) => {
+                first.check(self.name, one)?;
+                second.check(self.name, other)
+            }
         }
     }
 

@@ -286,6 +286,7 @@ mod tests {
         check(woken(5 * COLUMNS - 4, 37), 4..5, 4..5);
         check(woken(0, 0), 0..1, 0..1);
     }
+
     #[test]
     fn a_corner_wakes_the_tile_beyond_it_where_a_step_looks_there() {
         for (x, row, column) in [(2 * COLUMNS, 1, 1), (3 * COLUMNS - 1, 1, 3)] {

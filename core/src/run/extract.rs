@@ -970,4 +970,25 @@ mod tests {
             assert!(errors.len() > 5 && errors.iter().all(is_expected), "{errors:?}");
         }
     }
+
+    #[test]
+    fn memory_may_be_longer_than_it_must_and_what_is_shorter_is_named() {
+        let refused = |room: &mut Room<f32>| {
+            Extractor::new(&Config::NOISE_AWARE, &[1.0; COUNT], WIDTH, Known::default(), room.work()).err()
+        };
+        let mut room = Room::new();
+        room.mesh.push(Sky::UNKNOWN);
+        room.masked.push(0);
+        room.rows.push(0.0);
+        assert_eq!(refused(&mut room), None);
+        let (mesh, masked, rows) = (room.mesh.len() - 1, room.masked.len() - 1, room.rows.len() - 1);
+        room.mesh.truncate(mesh - 1);
+        assert_eq!(refused(&mut room), Some(Error::Length { name: "the mesh", given: mesh - 1, needed: mesh }));
+        room.mesh.push(Sky::UNKNOWN);
+        room.masked.truncate(masked - 1);
+        assert_eq!(refused(&mut room), Some(Error::Length { name: "the mask", given: masked - 1, needed: masked }));
+        room.masked.push(0);
+        room.rows.truncate(rows - 1);
+        assert_eq!(refused(&mut room), Some(Error::Length { name: "the rows", given: rows - 1, needed: rows }));
+    }
 }

@@ -991,4 +991,29 @@ mod tests {
         room.rows.truncate(rows - 1);
         assert_eq!(refused(&mut room), Some(Error::Length { name: "the rows", given: rows - 1, needed: rows }));
     }
+
+    /// The bits of all planes.
+    fn planes(work: &Workspace<'_, f32>) -> Vec<u32> {
+        let Workspace { signal, fine, smooth, labels, parents, order, masked, .. } = work;
+        let levels = [&**signal, fine, smooth].into_iter().flatten().map(|level| level.to_bits());
+        levels.chain([&**labels, parents, order, masked].into_iter().flatten().copied()).collect()
+    }
+
+    /// A pass that does not say what it costs does all of its work in one poll.
+    #[test]
+    fn a_poll_of_one_row_writes_no_more_than_two() {
+        let (mut room, counts) = (Room::<f32>::new(), counts(4000.0, WIDTH));
+        let pixels: Vec<f32> = counts.iter().map(|&count| f32::from(count)).collect();
+        let mut run =
+            Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work()).expect("room");
+        let mut before = planes(&run.work);
+        while let Progress::Next(stage) = run.progress() {
+            run.poll(1).expect("a sky");
+            let after = planes(&run.work);
+            let written = before.iter().zip(&after).filter(|(before, after)| before != after).count();
+            // A cell of the mesh, here the whole frame, is measured at once.
+            assert!(written <= 2 * WIDTH || stage == Stage::Background, "{written} cells in {stage:?}");
+            before = after;
+        }
+    }
 }

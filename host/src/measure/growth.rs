@@ -176,7 +176,8 @@ mod tests {
     /// Both ends are kept in turn: each function bends the other way.
     #[test]
     fn a_crossing_is_found_in_a_few_steps_however_the_function_bends() {
-        let bends: [(fn(f64) -> f64, f64); 4] = [
+        type Function = fn(f64) -> f64;
+        let bends: [(Function, f64); 4] = [
             (|x| 1e-3 * (x * x * x - 0.5), libm::cbrt(0.5)),
             (|x| 1e-3 * (0.5 - (1.0 - x) * (1.0 - x) * (1.0 - x)), 1.0 - libm::cbrt(0.5)),
             (|x| 1e3 * (libm::exp(5.0 * x) - 2.0), 0.2 * libm::log(2.0)),

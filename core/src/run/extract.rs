@@ -970,4 +970,50 @@ mod tests {
             assert!(errors.len() > 5 && errors.iter().all(is_expected), "{errors:?}");
         }
     }
+
+    #[test]
+    fn memory_may_be_longer_than_it_must_and_what_is_shorter_is_named() {
+        let refused = |room: &mut Room<f32>| {
+            Extractor::new(&Config::NOISE_AWARE, &[1.0; COUNT], WIDTH, Known::default(), room.work()).err()
+        };
+        let mut room = Room::new();
+        room.mesh.push(Sky::UNKNOWN);
+        room.masked.push(0);
+        room.rows.push(0.0);
+        assert_eq!(refused(&mut room), None);
+        let (mesh, masked, rows) = (room.mesh.len() - 1, room.masked.len() - 1, room.rows.len() - 1);
+        room.mesh.truncate(mesh - 1);
+        assert_eq!(refused(&mut room), Some(Error::Length { name: "the mesh", given: mesh - 1, needed: mesh }));
+        room.mesh.push(Sky::UNKNOWN);
+        room.masked.truncate(masked - 1);
+        assert_eq!(refused(&mut room), Some(Error::Length { name: "the mask", given: masked - 1, needed: masked }));
+        room.masked.push(0);
+        room.rows.truncate(rows - 1);
+        assert_eq!(refused(&mut room), Some(Error::Length { name: "the rows", given: rows - 1, needed: rows }));
+    }
+
+    /// The bits of all planes.
+    fn planes(work: &Workspace<'_, f32>) -> Vec<u32> {
+        let Workspace { signal, fine, smooth, labels, parents, order, masked, .. } = work;
+        let levels = [&**signal, fine, smooth].into_iter().flatten().map(|level| level.to_bits());
+        levels.chain([&**labels, parents, order, masked].into_iter().flatten().copied()).collect()
+    }
+
+    /// A pass that does not say what it costs does all of its work in one poll.
+    #[test]
+    fn a_poll_of_one_row_writes_no_more_than_two() {
+        let (mut room, counts) = (Room::<f32>::new(), counts(4000.0, WIDTH));
+        let pixels: Vec<f32> = counts.iter().map(|&count| f32::from(count)).collect();
+        let mut run =
+            Extractor::new(&Config::NOISE_AWARE, &pixels, WIDTH, Known::default(), room.work()).expect("room");
+        let mut before = planes(&run.work);
+        while let Progress::Next(stage) = run.progress() {
+            run.poll(1).expect("a sky");
+            let after = planes(&run.work);
+            let written = before.iter().zip(&after).filter(|(before, after)| before != after).count();
+            // A cell of the mesh, here the whole frame, is measured at once.
+            assert!(written <= 2 * WIDTH || stage == Stage::Background, "{written} cells in {stage:?}");
+            before = after;
+        }
+    }
 }

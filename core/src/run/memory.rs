@@ -90,3 +90,29 @@ impl<A: Arithmetic> Memory<'_, A> {
             + size_of_val(self.sources)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::arithmetic::F32;
+
+    #[test]
+    fn the_bytes_in_use_are_those_that_are_stated() {
+        const SIDE: usize = 20;
+        let (mut planes, mut ring) = ([[0.0; SIDE * SIDE]; 2], [0.0; ring_cells(SIDE, false)]);
+        let (mut tiles, mut samples) = ([0; flags_len(SIDE, SIDE)], [0.0; SIDE]);
+        let (mut counts, mut sources) = (Histogram::EMPTY, [Source::empty(1); 3]);
+        let [image, front] = &mut planes;
+        let memory = Memory::<F32> {
+            image,
+            front,
+            ring: &mut ring,
+            tiles: &mut tiles,
+            samples: &mut samples,
+            counts: &mut counts,
+            sources: &mut sources,
+        };
+        assert_eq!(memory.bytes(), bytes(SIDE, SIDE, 4, false, 3));
+    }
+}

@@ -645,9 +645,11 @@ fn middle(of: impl Iterator<Item = f32>) -> f32 {
 mod tests {
     use super::super::{CELL, cell_pixels};
     use super::*;
+    use crate::plane::part::Part;
     use crate::sky::noise::tests::normal;
 
     extern crate std;
+    use std::sync::Mutex;
     use std::vec::Vec;
 
     const SIDE: usize = 320;
@@ -794,5 +796,50 @@ mod tests {
         mesh.measure(&pixels, |_| Seen::Sky, &Values::UNKNOWN, Keys(&mut keys, &mut spare));
         assert_eq!(mesh.at(0, 0), mesh.at(7, 7));
         assert!((mesh.at(3, 4).level - 7.0).abs() < 0.1);
+    }
+
+    /// A part that tells what it is asked for, and has no answer.
+    #[derive(Debug)]
+    struct Telling(Part, Mutex<Vec<u32>>);
+
+    impl Whole for Telling {
+        fn part(&self) -> Part {
+            self.0.clone()
+        }
+
+        fn words(&self, _: Question, own: &mut dyn Iterator<Item = u32>) -> Option<&[u32]> {
+            self.1.lock().expect("one thread").extend(own);
+            None
+        }
+
+        fn sums(&self, _: Question, _: &mut dyn FnMut() -> [f64; 4]) -> Option<[f64; 4]> {
+            None
+        }
+
+        fn knows(&self, _: Question) -> bool {
+            false
+        }
+
+        fn is_waiting(&self) -> bool {
+            true
+        }
+    }
+
+    /// The first of two cells ends beyond the one part, and the second begins before the other.
+    #[test]
+    fn a_part_counts_the_pixels_of_a_cell_that_it_has() {
+        const COLUMNS: usize = 40;
+        let (size, pixels) = ((2 * CELL, CELL), std::vec![1.0; COLUMNS * CELL]);
+        for (index, left) in [(0, 0), (1, 2 * CELL - COLUMNS)] {
+            let mut cells = [Sky::UNKNOWN; mesh_cells(2 * CELL, CELL, CELL)];
+            let (mut keys, mut spare) = (std::vec![0; CELL * CELL], std::vec![0; CELL * CELL]);
+            let part = Part { image: size, origin: (left, 0), columns: 0..COLUMNS, rows: 0..CELL };
+            let (telling, frame) = (Telling(part, Mutex::default()), Raster::of(&pixels, COLUMNS));
+            let keys = Keys(&mut keys, &mut spare);
+            let mut mesh = Mesh::blank(&mut cells, size, CELL);
+            assert_eq!(mesh.asked((&telling, 0), &frame, |_| Seen::Sky, &Values::UNKNOWN, keys), None);
+            let (words, count) = (telling.1.into_inner().expect("one thread"), (COLUMNS * CELL) as u32);
+            assert_eq!((words.len(), &words[..4]), (CELL_WORDS, &[index, count, count, count][..]));
+        }
     }
 }

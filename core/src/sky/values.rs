@@ -527,4 +527,14 @@ mod tests {
         assert!(measured(&[f32::MIN, f32::MIN, f32::MAX, f32::MAX]).resolution.is_finite());
         assert_eq!(measured(&[f32::NAN; 9]).defined, 0);
     }
+
+    #[test]
+    fn a_fill_value_is_farther_from_the_rest_than_three_tenths_of_the_way_to_its_median() {
+        let is_fill_below = |nearest: f32| {
+            let rest = (0..20).map(|n| 10.0 + (n as f32 - 9.0) / 8.0);
+            let sorted: Vec<u32> = [0.0; 5].into_iter().chain([nearest]).chain(rest).map(f32::key).collect();
+            is_fill(&sorted, Run { value: 0.0, count: 5 })
+        };
+        assert!(!is_fill_below(3.0) && is_fill_below(3.001));
+    }
 }

@@ -253,4 +253,15 @@ mod tests {
         assert!(is_plateau(5, 35, 29.0) && is_plateau(10, 0, 1.0));
         assert!(!is_plateau(5, 36, 1.0) && !is_plateau(4, 0, 1.0) && !is_plateau(5, 35, 31.0));
     }
+
+    #[test]
+    fn a_flat_source_has_more_than_a_limit_of_its_peak_s_light_in_its_middle() {
+        let is_flat_with = |others: f32| {
+            let mut light = [others; SIDE * SIDE];
+            light[PEAK] = 100.0;
+            let field = Field { values: &light, grid: Grid::of(light.len(), SIDE).expect("there are columns") };
+            is_flat(field, &Region { peak: PEAK as u32, ..Region::BLANK }, (20.0, 20.0))
+        };
+        assert!(!is_flat_with(FLAT * 100.0) && is_flat_with(FLAT * 100.0 + 0.01));
+    }
 }

@@ -388,4 +388,19 @@ mod tests {
         assert_eq!(noise.units(3.3), 5.0);
         assert_eq!(Noise::of(0.0, 0.5, Known::default()).units(1.0), f32::MAX);
     }
+
+    #[test]
+    fn a_source_has_at_least_the_area_the_peak_and_the_light_that_are_asked() {
+        let config = Config { min_area: 5, ..Config::NOISE_AWARE };
+        let (peak, light) = (config.significance.peak * config.outline.threshold, config.significance.light);
+        let least = Region::<f32> { area: 5, value: peak, sum: light.into(), offsets: (0.0, 9.0), ..Region::BLANK };
+        assert_eq!(reach(&least, &config, Cut::NONE), 9.0);
+        for less in [
+            Region { area: 4, ..least },
+            Region { value: 0.99 * peak, ..least },
+            Region { sum: 0.99 * least.sum, ..least },
+        ] {
+            assert!(reach(&less, &config, Cut::NONE) < 9.0, "{less:?}");
+        }
+    }
 }

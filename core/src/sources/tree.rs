@@ -442,8 +442,9 @@ mod tests {
         assert_eq!(Region { label: 0, ..region }.divided_from(&[1; 4]), None);
     }
 
-    /// A brighter source with `own` of the nine pixels around a fainter one's peak nearly dark opposite to them.
-    fn is_apart(own: usize) -> bool {
+    /// A brighter source with `own` of the nine pixels around a fainter one's peak of this value nearly dark opposite to
+    /// them.
+    fn is_apart(own: usize, value: f32) -> bool {
         const WIDTH: usize = 21;
         let mut light = [0.0f32; 5 * WIDTH];
         let [bright, faint] = [2 * WIDTH + 8, 2 * WIDTH + 12];
@@ -454,13 +455,19 @@ mod tests {
         }
         (light[bright], light[faint]) = (100.0, 50.0);
         let field = Field { values: &light, grid: Grid::of(light.len(), WIDTH).expect("there are columns") };
-        let region = |peak: usize, area| Region { area, sum: 290.0, ..Region::of(peak as u32, field.at(peak)) };
-        let (bright, faint) = (region(bright, 1), region(faint, 9));
+        let region = |peak: usize, value, area| Region { area, sum: 290.0, ..Region::of(peak as u32, value) };
+        let (bright, faint) = (region(bright, 100.0, 1), region(faint, value, 9));
         stands_apart((&Config::NOISE_AWARE.deblending, 0.0), field, [&bright, &faint], 5.0, |_| false)
     }
 
     #[test]
     fn most_of_nine_pixels_are_five() {
-        assert_eq!([0, 4, 5, 9].map(is_apart), [false, false, true, true]);
+        assert_eq!([0, 4, 5, 9].map(|own| is_apart(own, 50.0)), [false, false, true, true]);
+    }
+
+    /// The saddle is 5.0, and the noise there 1.0.
+    #[test]
+    fn a_peak_rises_above_its_saddle_by_more_than_the_noise() {
+        assert_eq!([6.0, 6.001].map(|value| is_apart(9, value)), [false, true]);
     }
 }

@@ -68,3 +68,17 @@ fn pieces(line: &str) -> Vec<String> {
     let text = |piece| String::from_utf8_lossy(piece).into_owned();
     (1..).zip(bytes).map(|(n, piece)| text(piece) + if n < last { "\\" } else { "" }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_pieces_of_a_line_but_the_last_go_on() {
+        assert_eq!(pieces("short"), ["short"]);
+        let (first, second) = ("a".repeat(70), "b".repeat(70));
+        assert_eq!(pieces(&first), [first.as_str()]);
+        let line = format!("{first}{second}c");
+        assert_eq!(pieces(&line), [format!("{first}\\"), format!("{second}\\"), "c".to_owned()]);
+    }
+}

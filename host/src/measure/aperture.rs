@@ -318,4 +318,24 @@ mod tests {
         let (count, area) = visited(&Aperture::ellipse((1000.0, 1000.0), (1200.0, 3.0), 0.78), 2000);
         assert!((count as f64) < 2.0 * area, "{count} pixels for {area}");
     }
+
+    #[test]
+    fn an_aperture_beyond_any_border_is_not_complete() {
+        let complete = |x: f64, y: f64| Aperture::circle(x, y, 5.0).visit(40, &(10..50), |_| ());
+        assert!(complete(20.0, 30.0) && complete(4.6, 14.6) && complete(34.4, 44.4));
+        for (x, y) in [(4.4, 30.0), (34.6, 30.0), (20.0, 14.4), (20.0, 44.6)] {
+            assert!(!complete(x, y), "around {x}, {y}");
+        }
+    }
+
+    #[test]
+    fn light_on_the_ellipse_is_inside() {
+        let mut pixels = vec![0.0; 400];
+        pixels[10 * 20 + 13] = 1.0;
+        let [background, noise] = [0.0, 1.0].map(|level| Some(crate::measure::Level::Constant(level)));
+        let extras = crate::measure::Extras { background, noise, ..Default::default() };
+        let scene = Scene::new(&pixels, &[0; 400], 20, 20, &extras);
+        let moment = |radius: f64| Aperture::circle(10.0, 10.0, radius).first_moment(&scene, 1);
+        assert_eq!((moment(3.0), moment(2.9)), (Some(1.0), None));
+    }
 }

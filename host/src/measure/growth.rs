@@ -151,3 +151,47 @@ fn crossing(
     }
     0.5 * (low + high)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A growth of which the circle with the radius 2 has this light, and all around it is dark.
+    fn within_two(light: f64) -> Growth {
+        let pixel = |(dx, dy): (f64, f64)| Pixel { distance: length(dx, dy), dx, dy, value: light / 4.0 };
+        let ring = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(pixel).to_vec();
+        Growth { ring, ..Growth::default() }
+    }
+
+    #[test]
+    fn a_radius_is_looked_for_up_to_the_greatest_itself() {
+        let growth = within_two(4.0);
+        // The corners of the pixels reach as far as 2.121.
+        let radius = growth.crossing(3.5, 0.0, 1.0, 2.0).expect("one below 2");
+        assert!((growth.within(radius) - 3.5).abs() < 1e-8, "{radius}");
+        assert_eq!(growth.crossing(3.5, 0.0, 1.0, 1.9), None);
+        assert_eq!(growth.crossing(4.1, 0.0, 1.0, 2.0), None);
+    }
+
+    /// Both ends are kept in turn: each function bends the other way.
+    #[test]
+    fn a_crossing_is_found_in_a_few_steps_however_the_function_bends() {
+        type Function = fn(f64) -> f64;
+        let bends: [(Function, f64); 4] = [
+            (|x| 1e-3 * (x * x * x - 0.5), libm::cbrt(0.5)),
+            (|x| 1e-3 * (0.5 - (1.0 - x) * (1.0 - x) * (1.0 - x)), 1.0 - libm::cbrt(0.5)),
+            (|x| 1e3 * (libm::exp(5.0 * x) - 2.0), 0.2 * libm::log(2.0)),
+            (|x| x - 0.25, 0.25),
+        ];
+        for (function, expected) in bends {
+            let calls = std::cell::Cell::new(0);
+            let counted = |x: f64| {
+                calls.set(calls.get() + 1);
+                function(x)
+            };
+            let found = crossing(counted, (0.0, function(0.0)), (1.0, function(1.0)));
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found}, not {expected}");
+            assert!(calls.get() <= 15, "{} steps to {expected}", calls.get());
+        }
+    }
+}

@@ -102,4 +102,10 @@ mod tests {
         let pixels: Vec<f32> = (0..100).map(|i| (i % 5) as f32).chain([1e6]).collect();
         assert_eq!(estimate(&pixels, &vec![0; 101]).0, 2.0);
     }
+
+    #[test]
+    fn values_of_both_signs_are_sorted() {
+        let values = [1.5, -2.0, 0.0, f64::MIN, -0.5, 3.0, f64::MAX, -1e-300];
+        assert_eq!(sorted(values.into_iter()), [f64::MIN, -2.0, -0.5, -1e-300, 0.0, 1.5, 3.0, f64::MAX]);
+    }
 }

@@ -425,4 +425,37 @@ mod tests {
         assert!((xx / error - 1.0).abs() < 5e-3 && (yy / error - 1.0).abs() < 5e-3, "{xx} {yy}, not {error}");
         assert!(xy.abs() < 0.01 * error);
     }
+
+    #[test]
+    fn places_in_a_part_become_those_in_the_image() {
+        let measured = gaussian((4.0, 4.0), None);
+        let mut moved = measured.clone();
+        moved.shift((100, 2000));
+        let places = |of: &Measured| [of.shape.x, of.shape.y, of.windowed.x, of.windowed.y];
+        let there = [100.0, 2000.0, 100.0, 2000.0];
+        for ((place, moved), by) in places(&measured).into_iter().zip(places(&moved)).zip(there) {
+            assert_eq!(place + by, moved);
+        }
+        let ends = |(first, last): (u32, u32), by| (first + by, last + by);
+        assert_eq!(moved.source.columns, ends(measured.source.columns, 100));
+        assert_eq!(moved.source.rows, ends(measured.source.rows, 2000));
+        let (x, y) = measured.values.peak_at;
+        assert_eq!(moved.values.peak_at, (x + 100, y + 2000));
+    }
+
+    #[test]
+    fn a_run_that_ended_early_or_had_no_room_flags_its_sources() {
+        use skyfront_core::image::normalize::Extremes;
+        use skyfront_core::run::outcome::{Outcome, StopReason};
+        let whole = crate::nothing::without_front(Extremes::NONE);
+        for (outcome, flags) in [
+            (whole, 0),
+            (Outcome { reason: StopReason::TimeLimit, ..whole }, flags::LIMIT),
+            (Outcome { unlabelled: 1, ..whole }, flags::NO_ROOM),
+            (Outcome { sources: 3, catalogued: 2, ..whole }, flags::NO_ROOM),
+            (Outcome { sources: 3, catalogued: 3, ..whole }, 0),
+        ] {
+            assert_eq!(run_flags(&outcome), flags, "{outcome:?}");
+        }
+    }
 }

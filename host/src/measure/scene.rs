@@ -232,3 +232,20 @@ impl<'a> Scene<'a> {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outside_the_image_is_no_label() {
+        let extras = Extras { first_row: 10, ..Extras::default() };
+        let scene = Scene::new(&[1.0; 12], &[5; 12], 4, 3, &extras);
+        for (x, y) in [(0.0, 10.0), (-0.4, 9.6), (3.4, 12.4)] {
+            assert_eq!(scene.label_at(x, y), 5, "at {x}, {y}");
+        }
+        for (x, y) in [(-0.6, 11.0), (3.6, 11.0), (1.0, 9.4), (1.0, 12.6), (1.0, -11.0), (f64::NAN, 11.0)] {
+            assert_eq!(scene.label_at(x, y), 0, "at {x}, {y}");
+        }
+    }
+}

@@ -286,3 +286,31 @@ fn is_scamp(keys: &Keys, [longitude, latitude]: [usize; 2]) -> bool {
     let across = keys.numbers(&format!("PV{latitude}_")).any(|(_, value)| value != 0.0);
     across && keys.numbers(&format!("PV{longitude}_")).any(beyond)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::read::Card;
+
+    #[test]
+    fn a_direction_that_is_none_has_no_angles() {
+        assert_eq!(angles([0.0, 1.0, 0.0]), Some((90.0, 0.0)));
+        for direction in [[f64::NAN, 0.0, 0.5], [1.0, f64::NAN, 0.0], [1.0, 0.0, f64::NAN]] {
+            assert_eq!(angles(direction), None, "{direction:?}");
+        }
+    }
+
+    #[test]
+    fn coefficients_of_both_axes_are_scamp_s_and_parameters_of_tan_are_not() {
+        let is_scamp_with = |names: &[&str]| {
+            let cards = names.iter().map(|name| Card::new(&format!("{name:8}= 1.5"))).collect();
+            let keys = Keys::of(&Header::new(cards), None).expect("they are numbers");
+            is_scamp(&keys, [1, 2])
+        };
+        assert!(is_scamp_with(&["PV1_5", "PV2_1"]));
+        for names in [&["PV1_5"][..], &["PV2_1"], &["PV1_1", "PV1_4", "PV2_1"]] {
+            assert!(!is_scamp_with(names), "{names:?}");
+        }
+    }
+}

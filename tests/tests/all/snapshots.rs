@@ -168,6 +168,24 @@ fn the_length_is_the_one_stated() {
 }
 
 #[test]
+fn a_row_beyond_the_frame_is_no_state_of_a_run() {
+    let config = Config::PAPER_F160;
+    let with_row = |row: usize| {
+        let mut bytes = halfway::<F32>(&config);
+        // Before it stand seven words of the header, the stage and the pass.
+        bytes[36..40].copy_from_slice(&(row as u32).to_le_bytes());
+        let checked = bytes.len() - 4;
+        let sum = crc32fast::hash(&bytes[..checked]);
+        bytes[checked..].copy_from_slice(&sum.to_le_bytes());
+        bytes
+    };
+    let mut room = Room::<F32>::new(&config, WIDTH, HEIGHT, SOURCES);
+    let mut segmenter = Segmenter::<F32>::new(&config, WIDTH, HEIGHT, room.memory()).expect("a good configuration");
+    assert_eq!(restore(&mut segmenter, &with_row(HEIGHT - 1)), Ok(()));
+    assert_eq!(offered::<F32>(&config, (WIDTH, HEIGHT), &with_row(HEIGHT)), SnapshotError::Damaged);
+}
+
+#[test]
 fn any_single_damaged_byte_is_found() {
     let config = every_kind::<Q11>()[0];
     let bytes = halfway::<Q11>(&config);

@@ -299,13 +299,16 @@ fn divide<L: Level>(
             }
             let pixels = group(part);
             opening.group = brightest(field, centre_of(regions, opening.host), opening.group, pixels);
-            opening.has_maximum = opening.has_maximum || pixels.iter().any(|&at| is_maximum(field, at as usize));
+            opening.has_maximum =
+                opening.has_maximum || pixels.iter().any(|&at| is_greatest(field.grid, at as usize, |at| field.at(at)));
         })?;
         walk.once(16, || {
             let Opening { host, group, count, .. } = opening;
             let peak = group.peak as usize;
+            let centre = centre_of(regions, *host);
+            // On the flank of a lopsided star what is beyond the mirrored light rises on towards the star.
             let has_peak = is_peak(field, noise, peak)
-                && (opening.has_maximum || is_greatest(field, centre_of(regions, *host), peak));
+                && (opening.has_maximum || is_greatest(field.grid, peak, |at| excess(field, centre, at)));
             let is_source = opening.unexplained >= least_area && has_peak;
             opening.is_new = is_source && count.regions < regions.len();
             if opening.is_new {
@@ -408,15 +411,10 @@ fn is_peak<L: Level>(field: Field<'_, L>, noise: Noise<L>, at: usize) -> bool {
     field.at(at) - around > noise.at(field.at(at)).scaled(L::Weight::of(PEAK))
 }
 
-/// Whether no neighbour of a pixel is brighter.
-fn is_maximum<L: Level>(field: Field<'_, L>, at: usize) -> bool {
-    field.grid.touching(at, 8).all(|near| field.at(near) <= field.at(at))
-}
-
-/// Whether no neighbour of a pixel has more light beyond the mirrored host's: on the flank of a lopsided star this rises
-/// on towards the star.
-fn is_greatest<L: Level>(field: Field<'_, L>, host: (L, L), at: usize) -> bool {
-    field.grid.touching(at, 8).all(|near| excess(field, host, near) <= excess(field, host, at))
+/// Whether no neighbour of a pixel has more.
+fn is_greatest<L: Level>(grid: Grid, at: usize, of: impl Fn(usize) -> L) -> bool {
+    let own = of(at);
+    grid.touching(at, 8).all(|near| of(near) <= own)
 }
 
 /// Makes a group of pixels the region with index `count`, divided from its host.
